@@ -1,0 +1,47 @@
+//! The seam between what a vehicle perceives and what it is told to do.
+
+use headway_sim::{Command, Point, Pose, Twist};
+use nalgebra::Vector2;
+
+use crate::Route;
+
+/// What a driver may know: all of it can be had on a robot.
+#[derive(Debug, Clone, Copy)]
+pub struct Sensed<'a> {
+    /// Lidar ranges, metres, one per beam.
+    pub scan: &'a [f32],
+    /// Directions of the beams in the vehicle's frame, radians.
+    pub beam_angles: &'a [f64],
+    /// Where the vehicle believes it is (odometry).
+    pub pose: Pose,
+    /// How it moves, in the body frame.
+    pub twist: Twist,
+    /// Where it is to go, in the frame of `pose`.
+    pub goal: Point,
+    /// The planned route to the goal, where there is one.
+    pub route: Option<&'a Route>,
+}
+
+impl Sensed<'_> {
+    /// The goal as seen from the vehicle: `[ahead, left]` in metres.
+    #[must_use]
+    pub fn to_goal(&self) -> Vector2<f64> {
+        self.pose.inverse_transform_point(&self.goal).coords
+    }
+
+    /// Distance to the goal, metres, and its bearing in the vehicle's frame, radians in (-pi, pi].
+    #[must_use]
+    pub fn goal_polar(&self) -> (f64, f64) {
+        let to_goal = self.to_goal();
+        (to_goal.norm(), to_goal.y.atan2(to_goal.x))
+    }
+}
+
+/// A driver: a learned policy, a classical planner, a safety layer around another one.
+pub trait Controller {
+    /// Forgets all that belongs to the episode so far.
+    fn reset(&mut self);
+
+    /// The command for the next control period. Commands beyond the vehicle's limits are clamped by it.
+    fn command(&mut self, sensed: &Sensed<'_>) -> Command;
+}

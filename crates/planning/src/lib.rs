@@ -1,0 +1,30 @@
+//! Who drives and by which route: the [`Controller`] seam, grid maps, A* search, and pure pursuit.
+//!
+//! The crate knows no reward and no learning. A [`Controller`] turns what a vehicle perceives
+//! ([`Sensed`]) into a [`headway_sim::Command`]; learned policies and classical planners are the same to
+//! those who let them drive.
+//!
+//! # Example
+//! ```
+//! use headway_planning::{GridMap, PurePursuit, plan};
+//! use headway_sim::{Obstacle, Point, Room, Shape, World};
+//!
+//! let pillar = Obstacle { shape: Shape::Disc { radius: 1.0 }, x: 5.0, y: 5.0, yaw: 0.0 };
+//! let world = World::new(Room { width: 10.0, height: 10.0 }, vec![pillar])?;
+//! let map = GridMap::from_world(&world, 0.1, 0.3);
+//! let route = plan(&map, &Point::new(1.0, 5.0), &Point::new(9.0, 5.0)).expect("there is room to both sides");
+//! assert!(route.length() > 8.0 && route.length() < 9.0);
+//! # Ok::<(), headway_sim::SimError>(())
+//! ```
+
+mod controller;
+mod grid;
+mod pure_pursuit;
+mod route;
+mod search;
+
+pub use controller::{Controller, Sensed};
+pub use grid::GridMap;
+pub use pure_pursuit::PurePursuit;
+pub use route::Route;
+pub use search::plan;

@@ -1,0 +1,300 @@
+//! A planar lidar.
+
+use std::f64::consts::TAU;
+
+use headway_sim::{FieldError, Point, Pose, World, at_least, fraction, non_negative, positive};
+use nalgebra::Vector2;
+use rand::RngExt;
+use rand_distr::{Distribution, StandardNormal};
+use serde::{Deserialize, Serialize};
+
+/// A planar lidar at the vehicle's origin, as data.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LidarSpec {
+    /// Beams a scan.
+    pub n_beams: usize,
+    /// Angle covered, radians, at most a full turn; see [`beam_angles`].
+    pub field_of_view: f64,
+    /// Nearest range it reports, metres; what is nearer is reported as this.
+    pub min_range: f64,
+    /// Farthest range it reports, metres; what is farther, or a lost beam, is reported as this.
+    pub max_range: f64,
+    /// Standard deviation of a range, metres.
+    pub noise: f64,
+    /// Probability that a beam is lost.
+    pub dropout: f64,
+}
+
+impl Default for LidarSpec {
+    fn default() -> Self {
+        Self {
+            n_beams: 36,
+            field_of_view: TAU,
+            min_range: 0.0,
+            max_range: 5.0,
+            noise: 0.0,
+            dropout: 0.0,
+        }
+    }
+}
+
+impl LidarSpec {
+    /// Checks the numbers and builds the lidar.
+    ///
+    /// # Errors
+    /// Names the field, its value and what is allowed.
+    pub fn build(&self) -> Result<Lidar, FieldError> {
+        at_least("n_beams", self.n_beams, 1)?;
+        positive("field_of_view", self.field_of_view)?;
+        if self.field_of_view > TAU + 1e-9 {
+            return Err(FieldError::new(
+                "field_of_view",
+                self.field_of_view,
+                "at most a full turn, 2 pi = 6.2832",
+            ));
+        }
+        non_negative("min_range", self.min_range)?;
+        positive("max_range", self.max_range)?;
+        if self.max_range <= self.min_range {
+            let allowed = format!("more than min_range = {}", self.min_range);
+            return Err(FieldError::new("max_range", self.max_range, allowed));
+        }
+        non_negative("noise", self.noise)?;
+        fraction("dropout", self.dropout)?;
+        let beam_angles = beam_angles(self.n_beams, self.field_of_view);
+        Ok(Lidar {
+            spec: self.clone(),
+            beam_angles,
+        })
+    }
+}
+
+/// The directions of a scan's beams in the vehicle's frame, radians, from right to left.
+///
+/// A field of view of a full turn is divided into `n_beams` equal parts that start behind the vehicle, at
+/// `-pi`, which is not repeated at `pi`. A smaller one has a beam on both of its ends. A single beam looks
+/// ahead.
+///
+/// ```
+/// use headway_sensors::beam_angles;
+/// use std::f64::consts::{FRAC_PI_2, PI, TAU};
+/// assert_eq!(beam_angles(4, TAU), [-PI, -FRAC_PI_2, 0.0, FRAC_PI_2]);
+/// assert_eq!(beam_angles(3, PI), [-FRAC_PI_2, 0.0, FRAC_PI_2]);
+/// assert_eq!(beam_angles(1, PI), [0.0]);
+/// ```
+#[must_use]
+pub fn beam_angles(n_beams: usize, field_of_view: f64) -> Vec<f64> {
+    if n_beams == 1 {
+        return vec![0.0];
+    }
+    let n_gaps = if is_full_turn(field_of_view) {
+        n_beams
+    } else {
+        n_beams - 1
+    };
+    // (2 k - n_gaps) / (2 n_gaps) of the view: exactly 0 in the middle, and symmetric around it.
+    let share = |k: usize| (2.0 * k as f64 - n_gaps as f64) / (2.0 * n_gaps as f64);
+    (0..n_beams).map(|k| share(k) * field_of_view).collect()
+}
+
+fn is_full_turn(field_of_view: f64) -> bool {
+    field_of_view > TAU - 1e-9
+}
+
+/// A checked lidar.
+#[derive(Debug, Clone)]
+pub struct Lidar {
+    spec: LidarSpec,
+    beam_angles: Vec<f64>,
+}
+
+impl Lidar {
+    /// The data it was built from.
+    #[must_use]
+    pub fn spec(&self) -> &LidarSpec {
+        &self.spec
+    }
+
+    /// The beams' directions in the vehicle's frame, radians; see [`beam_angles`].
+    #[must_use]
+    pub fn beam_angles(&self) -> &[f64] {
+        &self.beam_angles
+    }
+
+    /// Whether the beams go all the way round, so that the last one's neighbour is the first.
+    #[must_use]
+    pub fn is_full_turn(&self) -> bool {
+        is_full_turn(self.spec.field_of_view)
+    }
+
+    /// Measures from `pose`: one range in metres per beam into `ranges`, shape `[n_beams]`.
+    ///
+    /// A range is the distance to the first surface, plus Gaussian noise, clamped to the range limits;
+    /// a beam is lost with the dropout's probability. Random numbers are drawn only for noise or
+    /// dropout above 0.
+    ///
+    /// # Panics
+    /// If `ranges` does not hold one number per beam.
+    pub fn scan(&self, world: &World, pose: &Pose, rng: &mut impl RngExt, ranges: &mut [f32]) {
+        assert_eq!(ranges.len(), self.beam_angles.len(), "one range per beam");
+        let LidarSpec {
+            min_range,
+            max_range,
+            noise,
+            dropout,
+            ..
+        } = self.spec;
+        let origin = Point::from(pose.translation.vector);
+        let yaw = pose.rotation.angle();
+        for (range, angle) in ranges.iter_mut().zip(&self.beam_angles) {
+            let (sin, cos) = (yaw + angle).sin_cos();
+            let mut measured = world.cast_ray(&origin, &Vector2::new(cos, sin), max_range);
+            if noise > 0.0 && measured < max_range {
+                let deviation: f64 = StandardNormal.sample(rng);
+                measured += noise * deviation;
+            }
+            if dropout > 0.0 && rng.random_bool(dropout) {
+                measured = max_range;
+            }
+            *range = measured.clamp(min_range, max_range) as f32;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use headway_sim::{Obstacle, Room, Shape, VehicleSpec, WorldSpec, stream};
+    use proptest::prelude::*;
+
+    fn scan(lidar: &Lidar, world: &World, pose: &Pose) -> Vec<f32> {
+        let mut ranges = vec![0.0; lidar.beam_angles().len()];
+        lidar.scan(world, pose, &mut stream(3, "noise", 0), &mut ranges);
+        ranges
+    }
+
+    /// A hall whose walls are out of sight, with a few solids around its middle, turned by `yaw` around it
+    /// and moved by `(dx, dy)`.
+    fn hall(solids: &[(f64, f64, f64)], yaw: f64, dx: f64, dy: f64) -> World {
+        let around = Pose::new([100.0 + dx, 100.0 + dy].into(), yaw);
+        let place = |&(x, y, size): &(f64, f64, f64)| {
+            let at = around * Point::new(x, y);
+            let shape = if size > 0.5 {
+                Shape::Box {
+                    length: size,
+                    width: 0.3,
+                }
+            } else {
+                Shape::Disc { radius: size }
+            };
+            Obstacle {
+                shape,
+                x: at.x,
+                y: at.y,
+                yaw,
+            }
+        };
+        let room = Room {
+            width: 200.0,
+            height: 200.0,
+        };
+        World::new(room, solids.iter().map(place).collect()).unwrap()
+    }
+
+    proptest! {
+        #[test]
+        fn scans_do_not_depend_on_where_the_whole_scene_is_nor_how_it_is_turned(
+            solids in prop::collection::vec((-4.0..4.0, -4.0..4.0, 0.1..1.0), 0..6),
+            yaw in -3.0..3.0, dx in -50.0..50.0, dy in -50.0..50.0,
+        ) {
+            let lidar = LidarSpec::default().build().unwrap();
+            let before = scan(&lidar, &hall(&solids, 0.0, 0.0, 0.0), &Pose::translation(100.0, 100.0));
+            let moved = Pose::new([100.0 + dx, 100.0 + dy].into(), yaw);
+            let after = scan(&lidar, &hall(&solids, yaw, dx, dy), &moved);
+            for (a, b) in before.iter().zip(&after) {
+                // A beam that grazes may just hit or just miss after rounding.
+                prop_assert!((a - b).abs() < 1e-4 || a.max(*b) > 1.0 + a.min(*b), "{a} but {b}");
+            }
+            let n_differing = before.iter().zip(&after).filter(|(a, b)| (*a - *b).abs() > 1e-4).count();
+            prop_assert!(n_differing <= 1);
+        }
+
+        #[test]
+        fn ranges_stay_within_the_limits(seed in 0..500_u64, noise in 0.0..0.5, dropout in 0.0..0.5) {
+            let spec = LidarSpec { noise, dropout, min_range: 0.1, ..LidarSpec::default() };
+            let vehicle = VehicleSpec::default().build().unwrap();
+            let source = WorldSpec::default().build(vehicle.footprint()).unwrap();
+            let scenario = source.sample(&mut stream(seed, "layout", 0)).unwrap();
+            let ranges = scan(&spec.build().unwrap(), &scenario.world, &scenario.start);
+            prop_assert!(ranges.iter().all(|r| (0.1..=5.0).contains(r)));
+        }
+    }
+
+    #[test]
+    fn noise_and_dropout_have_their_sizes() {
+        let world = World::new(
+            Room {
+                width: 10.0,
+                height: 10.0,
+            },
+            vec![],
+        )
+        .unwrap();
+        let spec = LidarSpec {
+            n_beams: 20_000,
+            noise: 0.1,
+            dropout: 0.25,
+            max_range: 50.0,
+            ..LidarSpec::default()
+        };
+        let clean = LidarSpec {
+            noise: 0.0,
+            dropout: 0.0,
+            ..spec.clone()
+        };
+        let pose = Pose::translation(5.0, 5.0);
+        let [noisy, clean] = [spec, clean].map(|s| scan(&s.build().unwrap(), &world, &pose));
+        let errors: Vec<f64> = noisy
+            .iter()
+            .zip(&clean)
+            .filter(|(r, _)| **r < 50.0)
+            .map(|(a, b)| f64::from(a - b))
+            .collect();
+        let lost = 1.0 - errors.len() as f64 / 20_000.0;
+        let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+        let deviation =
+            (errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / errors.len() as f64).sqrt();
+        assert!((lost - 0.25).abs() < 0.015, "{lost}");
+        assert!(
+            mean.abs() < 0.004 && (deviation - 0.1).abs() < 0.003,
+            "{mean} {deviation}"
+        );
+    }
+
+    #[test]
+    fn refusals_name_the_field() {
+        let refused = |spec: LidarSpec| spec.build().unwrap_err().to_string();
+        let backwards = LidarSpec {
+            min_range: 6.0,
+            ..LidarSpec::default()
+        };
+        assert_eq!(
+            refused(backwards),
+            "max_range = 5: must be more than min_range = 6"
+        );
+        let lossy = LidarSpec {
+            dropout: 1.5,
+            ..LidarSpec::default()
+        };
+        assert_eq!(refused(lossy), "dropout = 1.5: must be from 0 to 1");
+        let wide = LidarSpec {
+            field_of_view: 7.0,
+            ..LidarSpec::default()
+        };
+        assert_eq!(
+            refused(wide),
+            "field_of_view = 7: must be at most a full turn, 2 pi = 6.2832"
+        );
+    }
+}

@@ -1,0 +1,66 @@
+//! Exact motion at constant speed and yaw rate.
+
+use nalgebra::Vector2;
+
+use crate::Pose;
+
+/// Where a unicycle is after driving at constant `speed` and `yaw_rate` for `time` seconds.
+///
+/// The arc's chord is `v t sinc(w t / 2)` long and points half the turn to the left, which holds for
+/// any yaw rate, 0 included.
+///
+/// ```
+/// use headway_sim::{arc, Pose};
+/// use std::f64::consts::{FRAC_PI_2, PI};
+/// // A quarter circle of radius 2 m to the left: from the origin to (2, 2), facing +y.
+/// let end = arc(&Pose::identity(), PI, FRAC_PI_2, 1.0);
+/// assert!((end.translation.vector - nalgebra::Vector2::new(2.0, 2.0)).norm() < 1e-12);
+/// assert!((end.rotation.angle() - FRAC_PI_2).abs() < 1e-12);
+/// ```
+#[must_use]
+pub fn arc(pose: &Pose, speed: f64, yaw_rate: f64, time: f64) -> Pose {
+    let half = yaw_rate * time / 2.0;
+    let sinc = if half.abs() < 1e-4 {
+        1.0 - half * half / 6.0
+    } else {
+        half.sin() / half
+    };
+    let chord = speed * time * sinc;
+    let yaw = pose.rotation.angle();
+    let (sin, cos) = (yaw + half).sin_cos();
+    Pose::new(
+        pose.translation.vector + Vector2::new(cos, sin) * chord,
+        yaw + 2.0 * half,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn arcs_compose(v in -2.0..2.0, w in -3.0..3.0, t in 0.0..2.0, share in 0.0..1.0) {
+            let start = Pose::new([1.0, -2.0].into(), 0.7);
+            let whole = arc(&start, v, w, t);
+            let parts = arc(&arc(&start, v, w, share * t), v, w, (1.0 - share) * t);
+            prop_assert!((whole.translation.vector - parts.translation.vector).norm() < 1e-9);
+            prop_assert!(whole.rotation.angle_to(&parts.rotation).abs() < 1e-9);
+        }
+
+        #[test]
+        fn arcs_agree_with_small_straight_steps(v in -2.0..2.0_f64, w in -3.0..3.0_f64) {
+            let n = 20_000;
+            let (mut x, mut y, mut yaw, h) = (0.0, 0.0, 0.0_f64, 1.0 / f64::from(n));
+            for _ in 0..n {
+                let middle: f64 = yaw + w * h / 2.0;
+                x += v * middle.cos() * h;
+                y += v * middle.sin() * h;
+                yaw += w * h;
+            }
+            let end = arc(&Pose::identity(), v, w, 1.0).translation.vector;
+            prop_assert!((end - nalgebra::Vector2::new(x, y)).norm() < 1e-7);
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! Rays and sectors: how far one can see.
+
+use nalgebra::Vector2;
+
+use crate::world::nearest_on_wall;
+use crate::{Point, Pose, World, wrap};
+
+impl World {
+    /// The distance from `origin` along the unit vector `direction` to the first surface, exact, at
+    /// most `max_range`; 0 from within an obstacle or outside the room.
+    ///
+    /// ```
+    /// use headway_sim::{Point, Room, World};
+    /// let world = World::new(Room { width: 10.0, height: 15.0 }, vec![])?;
+    /// let range = world.cast_ray(&Point::new(4.0, 5.0), &[1.0, 0.0].into(), 30.0);
+    /// assert_eq!(range, 6.0);
+    /// # Ok::<(), headway_sim::SimError>(())
+    /// ```
+    #[must_use]
+    pub fn cast_ray(&self, origin: &Point, direction: &Vector2<f64>, max_range: f64) -> f64 {
+        let room = self.room();
+        let along = |position: f64, extent: f64, rate: f64| {
+            if rate > 0.0 {
+                (extent - position) / rate
+            } else if rate < 0.0 {
+                -position / rate
+            } else {
+                f64::INFINITY
+            }
+        };
+        let wall =
+            along(origin.x, room.width, direction.x).min(along(origin.y, room.height, direction.y));
+        let solids = self
+            .solids()
+            .iter()
+            .filter_map(|solid| solid.cast(origin, direction));
+        solids.fold(wall.clamp(0.0, max_range), f64::min)
+    }
+
+    /// The distance from a pose's origin to the nearest surface within `half_angle` to both sides of
+    /// its heading, metres, as if nothing were hidden; exact, with the half-angle in [0, pi/2].
+    ///
+    /// The nearest point of a convex thing within a convex sector is its nearest point of all, if that
+    /// lies in the sector, or else lies on one of the sector's two sides.
+    #[must_use]
+    pub fn sector_range(&self, pose: &Pose, half_angle: f64) -> f64 {
+        let origin = Point::from(pose.translation.vector);
+        let yaw = pose.rotation.angle();
+        let side = |angle: f64| {
+            let (sin, cos) = (yaw + angle).sin_cos();
+            self.cast_ray(&origin, &Vector2::new(cos, sin), f64::INFINITY)
+        };
+        let nearest_on_solids = self.solids().iter().map(|solid| solid.nearest(&origin));
+        let nearest_on_walls = self.walls().map(|wall| nearest_on_wall(&wall, &origin));
+        nearest_on_solids
+            .chain(nearest_on_walls)
+            .map(|point| point - origin)
+            .filter(|to| wrap(to.y.atan2(to.x) - yaw).abs() <= half_angle)
+            .map(|to| to.norm())
+            .fold(side(-half_angle).min(side(half_angle)), f64::min)
+    }
+}

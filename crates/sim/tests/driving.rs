@@ -1,0 +1,224 @@
+//! Vehicles on closed forms, within limits, and never through things.
+
+use headway_sim::{
+    Command, Obstacle, Pose, Room, Shape, Vehicle, VehicleSpec, VehicleState, World, WorldSpec,
+    stream,
+};
+use proptest::prelude::*;
+use rand::RngExt;
+
+const HALL: Room = Room {
+    width: 200.0,
+    height: 200.0,
+};
+
+fn middle(yaw: f64) -> VehicleState {
+    VehicleState::at_rest(Pose::new([100.0, 100.0].into(), yaw))
+}
+
+fn vehicle(spec: VehicleSpec) -> Vehicle {
+    spec.build().expect("valid")
+}
+
+#[test]
+fn constant_yaw_rate_drives_a_circle() {
+    let world = World::new(HALL, vec![]).unwrap();
+    let vehicle = vehicle(VehicleSpec::default());
+    let mut state = middle(0.3);
+    let command = Command {
+        speed: 1.0,
+        yaw_rate: 0.5,
+    };
+    for _ in 0..10 {
+        vehicle.step(&world, &mut state, command); // reach 1 m/s and 0.5 rad/s
+    }
+    // The circle's centre is v / w = 2 m to the left; it must stay there.
+    let center = |s: &VehicleState| s.pose * nalgebra::Point2::new(0.0, 2.0);
+    let before = center(&state);
+    for _ in 0..100 {
+        let motion = vehicle.step(&world, &mut state, command);
+        assert!((motion.distance - 0.2).abs() < 1e-12);
+        assert!((center(&state) - before).norm() < 1e-9);
+    }
+}
+
+#[test]
+fn acceleration_from_rest_covers_half_a_t_squared() {
+    let world = World::new(HALL, vec![]).unwrap();
+    let vehicle = vehicle(VehicleSpec::default());
+    let mut state = middle(0.0);
+    let command = Command {
+        speed: 1.5,
+        yaw_rate: 0.0,
+    };
+    let distance: f64 = (0..3)
+        .map(|_| vehicle.step(&world, &mut state, command).distance)
+        .sum();
+    assert!((distance - 0.5 * 2.0 * 0.6 * 0.6).abs() < 1e-12);
+    assert!((state.twist.x - 1.2).abs() < 1e-12);
+}
+
+#[test]
+fn a_collision_ends_where_the_vehicle_first_touches() {
+    let post = Obstacle {
+        shape: Shape::Disc { radius: 0.5 },
+        x: 105.0,
+        y: 100.0,
+        yaw: 0.0,
+    };
+    let world = World::new(HALL, vec![post]).unwrap();
+    let vehicle = vehicle(VehicleSpec::default());
+    let mut state = middle(0.0);
+    let mut driven = 0.0;
+    loop {
+        let motion = vehicle.step(
+            &world,
+            &mut state,
+            Command {
+                speed: 1.5,
+                yaw_rate: 0.0,
+            },
+        );
+        driven += motion.distance;
+        if motion.collided {
+            assert!(motion.proximity.clearance() <= 0.0);
+            break;
+        }
+    }
+    // 5 m to the middle of the post, less both radii.
+    assert!((state.pose.translation.x - 104.25).abs() < 2e-3);
+    assert!((driven - 4.25).abs() < 2e-3);
+}
+
+#[test]
+fn a_fast_vehicle_does_not_pass_through_a_thin_wall() {
+    let sheet = |x| Obstacle {
+        shape: Shape::Box {
+            length: 0.01,
+            width: 20.0,
+        },
+        x,
+        y: 100.0,
+        yaw: 0.0,
+    };
+    let world = World::new(HALL, vec![sheet(103.0)]).unwrap();
+    for footprint in [
+        Shape::Disc { radius: 0.25 },
+        Shape::Box {
+            length: 0.5,
+            width: 0.4,
+        },
+    ] {
+        let spec = VehicleSpec {
+            footprint,
+            max_speed: 50.0,
+            max_acceleration: 1e4,
+            n_substeps: 1,
+            ..Default::default()
+        };
+        let mut state = middle(0.0);
+        let motion = vehicle(spec).step(
+            &world,
+            &mut state,
+            Command {
+                speed: 50.0,
+                yaw_rate: 0.0,
+            },
+        );
+        assert!(motion.collided);
+        assert!((state.pose.translation.x - (103.0 - 0.255)).abs() < 2e-3);
+    }
+}
+
+#[test]
+fn a_long_vehicle_sweeps_what_it_turns_into() {
+    // Nothing is in the way of the middle, and nothing overlaps at the start or the end of the period.
+    let post = Obstacle {
+        shape: Shape::Disc { radius: 0.02 },
+        x: 100.0 + 0.85 * 0.5_f64.cos(),
+        y: 100.0 + 0.85 * 0.5_f64.sin(),
+        yaw: 0.0,
+    };
+    let world = World::new(HALL, vec![post]).unwrap();
+    let footprint = Shape::Box {
+        length: 2.0,
+        width: 0.1,
+    };
+    let spec = VehicleSpec {
+        footprint,
+        max_yaw_rate: 5.0,
+        max_yaw_acceleration: 1e4,
+        n_substeps: 1,
+        ..Default::default()
+    };
+    let motion = vehicle(spec).step(
+        &world,
+        &mut middle(0.0),
+        Command {
+            speed: 0.0,
+            yaw_rate: 5.0,
+        },
+    );
+    assert!(motion.collided);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+    #[test]
+    fn driving_at_random_keeps_the_limits_and_stays_outside_of_things(seed in 0..u64::MAX, boxy: bool) {
+        let footprint = if boxy { Shape::Box { length: 0.5, width: 0.43 } } else { Shape::Disc { radius: 0.25 } };
+        let vehicle = vehicle(VehicleSpec { footprint, max_reverse_speed: 0.5, ..Default::default() });
+        let spec = vehicle.spec().clone();
+        let mut rng = stream(seed, "layout", 0);
+        let source = WorldSpec::default().build(vehicle.footprint()).unwrap();
+        let scenario = source.sample(&mut rng).unwrap();
+        let mut state = VehicleState::at_rest(scenario.start);
+        for _ in 0..200 {
+            let command = Command { speed: rng.random_range(-3.0..3.0), yaw_rate: rng.random_range(-3.0..3.0) };
+            let before = state;
+            let motion = vehicle.step(&scenario.world, &mut state, command);
+            prop_assert!((-spec.max_reverse_speed..=spec.max_speed).contains(&state.twist.x));
+            prop_assert!(state.twist.z.abs() <= spec.max_yaw_rate);
+            let dv = (state.twist.x - before.twist.x).abs();
+            prop_assert!(dv <= spec.max_acceleration * spec.control_period + 1e-12);
+            let dw = (state.twist.z - before.twist.z).abs();
+            prop_assert!(dw <= spec.max_yaw_acceleration * spec.control_period + 1e-12);
+            prop_assert_eq!(scenario.world.collides(vehicle.footprint(), &state.pose), motion.collided);
+            if motion.collided {
+                let depth = scenario.world.clearance(vehicle.footprint(), &state.pose);
+                prop_assert!(depth > -2.0 * Vehicle::CONTACT_TOLERANCE);
+                break;
+            }
+        }
+    }
+}
+
+#[test]
+fn refusals_name_the_field() {
+    let cases = [
+        (
+            VehicleSpec {
+                max_speed: -1.0,
+                ..Default::default()
+            },
+            "max_speed = -1: must be a finite number above 0",
+        ),
+        (
+            VehicleSpec {
+                n_substeps: 0,
+                ..Default::default()
+            },
+            "n_substeps = 0: must be 1 or more",
+        ),
+        (
+            VehicleSpec {
+                footprint: Shape::Disc { radius: f64::NAN },
+                ..Default::default()
+            },
+            "footprint.radius = NaN: must be a finite number above 0",
+        ),
+    ];
+    for (spec, message) in cases {
+        assert_eq!(spec.build().unwrap_err().to_string(), message);
+    }
+}
