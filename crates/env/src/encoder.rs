@@ -1,0 +1,257 @@
+//! Observations: what is perceived, as the numbers that a network reads.
+
+use headway_planning::Sensed;
+use headway_sensors::Lidar;
+use headway_sim::{Footprint, VehicleSpec};
+use serde::{Deserialize, Serialize};
+
+/// How observations are encoded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ObservationSpec {
+    /// How a lidar range becomes a number.
+    pub encoding: ScanEncoding,
+    /// Whether scenes with the goal on the right are shown as in a mirror, so that it always lies on the
+    /// left; actions are mirrored back. Halves what there is to learn.
+    pub mirror: bool,
+}
+
+impl Default for ObservationSpec {
+    fn default() -> Self {
+        Self {
+            encoding: ScanEncoding::Clearance,
+            mirror: true,
+        }
+    }
+}
+
+/// How a range `r` in metres becomes a number in [0, 1].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ScanEncoding {
+    /// `r / max_range`.
+    Linear,
+    /// `1 - sqrt(r / max_range)`.
+    Root,
+    /// `0.25 / (c + 0.25)` with the clearance `c = max(0, r - e)`, where `e` is the footprint's extent
+    /// towards the beam: 1 at contact, half at 25 cm.
+    Clearance,
+}
+
+/// Whether an observation shows the scene as it is or as in a mirror.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Side {
+    /// As it is.
+    #[default]
+    AsSeen,
+    /// Left and right exchanged.
+    Mirrored,
+}
+
+/// The checked encoding: a pure function from [`Sensed`] to `n_beams + 6` numbers.
+///
+/// | entry | is | range |
+/// |---|---|---|
+/// | `0..n_beams` | the encoded ranges, right to left | [0, 1] |
+/// | `n_beams` | `d / (d + 3)` for the distance `d` to the goal in metres | [0, 1) |
+/// | `+ 1` | cosine of the goal's bearing | [-1, 1] |
+/// | `+ 2` | sine of the goal's bearing, positive on the left | [-1, 1] |
+/// | `+ 3` | `min(d, 2) / 2` | [0, 1] |
+/// | `+ 4` | speed / highest speed | [-1, 1] |
+/// | `+ 5` | yaw rate / highest yaw rate, positive to the left | [-1, 1] |
+#[derive(Debug, Clone)]
+pub struct Encoder {
+    spec: ObservationSpec,
+    max_range: f32,
+    /// The footprint's extent towards each beam, metres.
+    extents: Vec<f32>,
+    /// For each beam the one on the other side, at the negative of its angle.
+    opposite: Vec<usize>,
+    max_speed: f64,
+    max_yaw_rate: f64,
+}
+
+impl Encoder {
+    /// Entries behind the ranges.
+    const N_OTHERS: usize = 6;
+    /// Distance at which half of the first distance entry is used up, metres.
+    const FAR: f64 = 3.0;
+    /// Distance from which on the second distance entry is 1, metres.
+    const NEAR: f64 = 2.0;
+    /// Clearance encoded as a half, metres.
+    const HALF_CLEARANCE: f32 = 0.25;
+
+    /// The encoding of a lidar's scans on a vehicle.
+    #[must_use]
+    pub fn new(
+        spec: ObservationSpec,
+        lidar: &Lidar,
+        vehicle: &VehicleSpec,
+        footprint: &Footprint,
+    ) -> Self {
+        let n = lidar.beam_angles().len();
+        // A full turn starts behind the vehicle, where a beam is its own opposite.
+        let opposite = |k: usize| {
+            if lidar.is_full_turn() {
+                (n - k) % n
+            } else {
+                n - 1 - k
+            }
+        };
+        Self {
+            spec,
+            max_range: lidar.spec().max_range as f32,
+            extents: lidar
+                .beam_angles()
+                .iter()
+                .map(|angle| footprint.extent(*angle) as f32)
+                .collect(),
+            opposite: (0..n).map(opposite).collect(),
+            max_speed: vehicle.max_speed.max(vehicle.max_reverse_speed),
+            max_yaw_rate: vehicle.max_yaw_rate,
+        }
+    }
+
+    /// Numbers in an observation.
+    #[must_use]
+    pub fn obs_dim(&self) -> usize {
+        self.extents.len() + Self::N_OTHERS
+    }
+
+    /// Encodes what is sensed into `obs`, shape `[obs_dim]`, and says from which side it is shown.
+    ///
+    /// # Panics
+    /// If `obs` or the scan has another length.
+    pub fn encode(&self, sensed: &Sensed<'_>, obs: &mut [f32]) -> Side {
+        let n_beams = self.extents.len();
+        assert_eq!(sensed.scan.len(), n_beams, "one range per beam");
+        let (distance, bearing) = sensed.goal_polar();
+        let side = if self.spec.mirror && bearing < 0.0 {
+            Side::Mirrored
+        } else {
+            Side::AsSeen
+        };
+        let (scan, others) = obs.split_at_mut(n_beams);
+        match side {
+            Side::AsSeen => scan
+                .iter_mut()
+                .enumerate()
+                .for_each(|(k, out)| *out = self.range(sensed.scan, k)),
+            Side::Mirrored => {
+                let beams = scan.iter_mut().zip(&self.opposite);
+                beams.for_each(|(out, k)| *out = self.range(sensed.scan, *k));
+            }
+        }
+        let left = if side == Side::Mirrored { -1.0 } else { 1.0 };
+        let entries = [
+            distance / (distance + Self::FAR),
+            bearing.cos(),
+            left * bearing.sin(),
+            distance.min(Self::NEAR) / Self::NEAR,
+            sensed.twist.x / self.max_speed,
+            left * sensed.twist.z / self.max_yaw_rate,
+        ];
+        others.copy_from_slice(&entries.map(|entry| entry as f32));
+        side
+    }
+
+    fn range(&self, scan: &[f32], beam: usize) -> f32 {
+        let range = scan[beam];
+        match self.spec.encoding {
+            ScanEncoding::Linear => range / self.max_range,
+            ScanEncoding::Root => 1.0 - (range / self.max_range).sqrt(),
+            ScanEncoding::Clearance => {
+                let clearance = (range - self.extents[beam]).max(0.0);
+                Self::HALF_CLEARANCE / (clearance + Self::HALF_CLEARANCE)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use headway_sensors::LidarSpec;
+    use headway_sim::{Point, Pose, Twist};
+
+    fn encoder(encoding: ScanEncoding, mirror: bool, field_of_view: f64) -> (Encoder, Lidar) {
+        let lidar = LidarSpec {
+            n_beams: 4,
+            field_of_view,
+            ..LidarSpec::default()
+        }
+        .build()
+        .unwrap();
+        let vehicle = VehicleSpec::default();
+        let spec = ObservationSpec { encoding, mirror };
+        let built = vehicle.build().unwrap();
+        (
+            Encoder::new(spec, &lidar, &vehicle, built.footprint()),
+            lidar,
+        )
+    }
+
+    fn encode(encoder: &(Encoder, Lidar), goal: Point) -> (Vec<f32>, Side) {
+        let sensed = Sensed {
+            scan: &[0.5, 1.0, 2.0, 4.0],
+            beam_angles: encoder.1.beam_angles(),
+            pose: Pose::new([1.0, 1.0].into(), std::f64::consts::FRAC_PI_2),
+            twist: Twist::new(0.75, 0.0, -0.3),
+            goal,
+            route: None,
+        };
+        let mut obs = vec![0.0; encoder.0.obs_dim()];
+        let side = encoder.0.encode(&sensed, &mut obs);
+        (obs, side)
+    }
+
+    fn assert_close(found: &[f32], expected: &[f32]) {
+        assert_eq!(found.len(), expected.len());
+        for (a, b) in found.iter().zip(expected) {
+            assert!((a - b).abs() < 1e-6, "{found:?} but {expected:?}");
+        }
+    }
+
+    #[test]
+    fn every_entry_by_hand() {
+        // Facing +y from (1, 1), a goal at (-3, 4) lies 3 m ahead and 4 m to the left.
+        let goal = Point::new(-3.0, 4.0);
+        let others = [5.0 / 8.0, 0.6, 0.8, 1.0, 0.5, -0.2];
+        let full = std::f64::consts::TAU;
+        let scans = [
+            (ScanEncoding::Linear, [0.1, 0.2, 0.4, 0.8]),
+            (
+                ScanEncoding::Root,
+                [0.1, 0.2, 0.4, 0.8].map(|x: f32| 1.0 - x.sqrt()),
+            ),
+            (ScanEncoding::Clearance, [0.5, 0.25, 0.125, 0.0625]),
+        ];
+        for (encoding, scan) in scans {
+            let (obs, side) = encode(&encoder(encoding, true, full), goal);
+            assert_eq!(side, Side::AsSeen);
+            assert_close(&obs, &[scan.as_slice(), others.as_slice()].concat());
+        }
+    }
+
+    #[test]
+    fn a_goal_on_the_right_is_shown_on_the_left() {
+        let goal = Point::new(5.0, 4.0); // 3 m ahead, 4 m to the right
+        let others = [5.0 / 8.0, 0.6, 0.8, 1.0, 0.5, 0.2];
+        // Beams behind, right, ahead, left: behind and ahead stay, right and left change places.
+        let (obs, side) = encode(
+            &encoder(ScanEncoding::Linear, true, std::f64::consts::TAU),
+            goal,
+        );
+        assert_eq!(side, Side::Mirrored);
+        assert_close(
+            &obs,
+            &[[0.1, 0.8, 0.4, 0.2].as_slice(), others.as_slice()].concat(),
+        );
+        let (obs, _) = encode(&encoder(ScanEncoding::Linear, true, 3.0), goal);
+        assert_close(&obs[..4], &[0.8, 0.4, 0.2, 0.1]);
+        let (obs, side) = encode(&encoder(ScanEncoding::Linear, false, 3.0), goal);
+        assert_eq!(side, Side::AsSeen);
+        assert_close(&obs[..4], &[0.1, 0.2, 0.4, 0.8]);
+        assert!((obs[6] + 0.8).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,147 @@
+//! The checked MDP.
+
+use std::sync::Arc;
+
+use headway_planning::{GridMap, Route, plan};
+use headway_reward::{Limits, Reward};
+use headway_sensors::{Lidar, ObstacleAngle};
+use headway_sim::{Point, Vehicle, World, WorldSource, positive};
+
+use crate::spec::RouteSpec;
+use crate::{ActionSet, Control, Encoder, EnvError, GoalHandling, NavSpec};
+
+/// A navigation MDP, checked once and shared by all who act in it.
+#[derive(Debug)]
+pub struct Mdp {
+    pub(crate) source: WorldSource,
+    pub(crate) vehicle: Vehicle,
+    pub(crate) lidar: Lidar,
+    pub(crate) obstacle_angle: ObstacleAngle,
+    pub(crate) encoder: Encoder,
+    pub(crate) actions: ActionSet,
+    pub(crate) reward: Arc<dyn Reward>,
+    pub(crate) goal: GoalHandling,
+    pub(crate) reach_radius: f64,
+    pub(crate) n_max_steps: u32,
+    pub(crate) route: Option<RouteSpec>,
+    pub(crate) limits: Limits,
+}
+
+impl NavSpec {
+    /// Checks every table and builds the MDP.
+    ///
+    /// # Errors
+    /// Names the first field that is not allowed, with its table, or says what in the world cannot be
+    /// placed.
+    pub fn build(&self) -> Result<Arc<Mdp>, EnvError> {
+        let vehicle = self.vehicle.build().map_err(|e| e.under("vehicle"))?;
+        let lidar = self.lidar.build().map_err(|e| e.under("lidar"))?;
+        let source = self.world.build(vehicle.footprint())?;
+        let env = &self.env;
+        positive("env.reach_radius", env.reach_radius)?;
+        positive("env.time_limit", env.time_limit)?;
+        let mirror = env.observation.mirror;
+        let actions = env.actions.build(&self.vehicle, &env.control, mirror);
+        let route = match env.control {
+            Control::Full {} => None,
+            Control::SpeedOnly(route) => {
+                route.check().map_err(|e| e.under("env.control"))?;
+                Some(route)
+            }
+        };
+        self.reward.validate()?;
+        Ok(Arc::new(Mdp {
+            encoder: Encoder::new(env.observation, &lidar, &self.vehicle, vehicle.footprint()),
+            obstacle_angle: env
+                .obstacle_angle
+                .build()
+                .map_err(|e| e.under("env.obstacle_angle"))?,
+            actions: actions.map_err(|e| e.under("env.actions"))?,
+            reward: Arc::clone(&self.reward),
+            goal: env.goal,
+            reach_radius: env.reach_radius,
+            n_max_steps: (env.time_limit / self.vehicle.control_period)
+                .round()
+                .max(1.0) as u32,
+            limits: Limits {
+                max_speed: self.vehicle.max_speed,
+                max_yaw_rate: self.vehicle.max_yaw_rate,
+                max_acceleration: self.vehicle.max_acceleration,
+                max_yaw_acceleration: self.vehicle.max_yaw_acceleration,
+            },
+            source,
+            vehicle,
+            lidar,
+            route,
+        }))
+    }
+}
+
+impl Mdp {
+    /// Numbers in an observation.
+    #[must_use]
+    pub fn obs_dim(&self) -> usize {
+        self.encoder.obs_dim()
+    }
+
+    /// What actions mean.
+    #[must_use]
+    pub fn actions(&self) -> &ActionSet {
+        &self.actions
+    }
+
+    /// The vehicle that drives.
+    #[must_use]
+    pub fn vehicle(&self) -> &Vehicle {
+        &self.vehicle
+    }
+
+    /// Where scenarios come from.
+    #[must_use]
+    pub fn source(&self) -> &WorldSource {
+        &self.source
+    }
+
+    /// Distance to the goal at which it counts as reached, metres.
+    #[must_use]
+    pub fn reach_radius(&self) -> f64 {
+        self.reach_radius
+    }
+
+    /// A route to drive, where the agent does not steer.
+    pub(crate) fn plan_route(&self, world: &World, from: &Point, goal: &Point) -> Option<Route> {
+        let spec = self.route?;
+        let wide = shortest_route(world, from, goal, self.radius() + spec.margin, spec.cell);
+        // Where there is no room for the margin, less; a scenario's own path is found without any.
+        wide.or_else(|| shortest_route(world, from, goal, self.radius(), spec.cell))
+            .or_else(|| shortest_route(world, from, goal, self.radius() - spec.cell, spec.cell))
+            .or_else(|| Some(Route::new(vec![*from, *goal])))
+    }
+
+    /// The length of the shortest way from one point to another for a disc of the footprint's
+    /// circumradius, metres: planned over a grid of 5 cm and pulled straight.
+    #[must_use]
+    pub fn geodesic(&self, world: &World, from: &Point, to: &Point) -> f64 {
+        const CELL: f64 = 0.05;
+        if world.is_free(from, to, self.radius()) {
+            return (to - from).norm();
+        }
+        let route = shortest_route(world, from, to, self.radius(), CELL)
+            .or_else(|| shortest_route(world, from, to, self.radius() - CELL, CELL));
+        route.map_or((to - from).norm(), |route| route.length())
+    }
+
+    fn radius(&self) -> f64 {
+        self.vehicle.footprint().circumradius()
+    }
+}
+
+fn shortest_route(
+    world: &World,
+    from: &Point,
+    to: &Point,
+    clearance: f64,
+    cell: f64,
+) -> Option<Route> {
+    plan(&GridMap::from_world(world, cell, clearance), from, to)
+}

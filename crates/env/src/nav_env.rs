@@ -1,0 +1,184 @@
+//! Many vehicles in lock-step.
+
+use std::io::{Read, Write};
+use std::sync::Arc;
+
+use headway_planning::Sensed;
+use headway_sim::Command;
+use serde::{Deserialize, Serialize};
+
+use crate::error::check_len;
+use crate::navigator::NavigatorState;
+use crate::{Env, EnvError, Mdp, Navigator, Step, StepEnd};
+
+/// Independent navigators of one MDP behind [`Env`].
+///
+/// Copy `i` of `n` drives in the scenarios `i`, `i + n`, `i + 2 n`, ... of the seed: which scenario comes
+/// next does not depend on what the other copies do.
+#[derive(Debug, Clone)]
+pub struct NavEnv {
+    mdp: Arc<Mdp>,
+    n_envs: usize,
+    seed: u64,
+    /// Empty before the first reset.
+    navigators: Vec<Navigator>,
+    /// The scenario that each copy drives in.
+    scenarios: Vec<u64>,
+}
+
+/// What [`Env::save`] writes.
+#[derive(Serialize, Deserialize)]
+struct SavedState {
+    seed: u64,
+    scenarios: Vec<u64>,
+    navigators: Vec<NavigatorState>,
+}
+
+impl NavEnv {
+    /// `n_envs` copies of an MDP, to be reset before the first step.
+    #[must_use]
+    pub fn new(mdp: Arc<Mdp>, n_envs: usize) -> Self {
+        Self {
+            mdp,
+            n_envs,
+            seed: 0,
+            navigators: Vec::new(),
+            scenarios: Vec::new(),
+        }
+    }
+
+    /// The MDP.
+    #[must_use]
+    pub fn mdp(&self) -> &Arc<Mdp> {
+        &self.mdp
+    }
+
+    /// The vehicles, one per copy; none before the first reset.
+    #[must_use]
+    pub fn navigators(&self) -> &[Navigator] {
+        &self.navigators
+    }
+
+    /// What the vehicle of copy `index` perceives.
+    ///
+    /// # Panics
+    /// If there is no such copy, or before the first reset.
+    #[must_use]
+    pub fn sensed(&self, index: usize) -> Sensed<'_> {
+        self.navigators[index].sensed()
+    }
+
+    /// As [`Env::step`], with a continuous command in place of every action.
+    ///
+    /// # Errors
+    /// If a next episode could not be started.
+    pub fn step_commands(&mut self, commands: &[Command], out: &mut Step) -> Result<(), EnvError> {
+        check_len("commands", commands.len(), self.n_envs)?;
+        self.step_all(out, |navigator, index| navigator.drive(commands[index]))
+    }
+
+    fn step_all(
+        &mut self,
+        out: &mut Step,
+        mut advance: impl FnMut(&mut Navigator, usize) -> Result<StepEnd, EnvError>,
+    ) -> Result<(), EnvError> {
+        check_len("reset environments", self.navigators.len(), self.n_envs)?;
+        check_len("out.obs", out.obs.len(), self.n_envs * self.obs_dim())?;
+        let dim = self.obs_dim();
+        for index in 0..self.n_envs {
+            let navigator = &mut self.navigators[index];
+            let end = advance(navigator, index)?;
+            out.rewards[index] = end.reward as f32;
+            out.terminated[index] = end.terminated;
+            out.truncated[index] = end.truncated;
+            let row = index * dim..(index + 1) * dim;
+            navigator.observe(&mut out.next_obs[row.clone()]);
+            if end.terminated || end.truncated {
+                self.scenarios[index] += self.n_envs as u64;
+                *navigator =
+                    Navigator::new(Arc::clone(&self.mdp), self.seed, self.scenarios[index])?;
+                navigator.observe(&mut out.obs[row]);
+            } else {
+                out.obs[row.clone()].copy_from_slice(&out.next_obs[row]);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Env for NavEnv {
+    fn n_envs(&self) -> usize {
+        self.n_envs
+    }
+
+    fn obs_dim(&self) -> usize {
+        self.mdp.obs_dim()
+    }
+
+    fn n_actions(&self) -> usize {
+        self.mdp.actions().len()
+    }
+
+    fn reset(&mut self, seed: u64, obs: &mut [f32]) -> Result<(), EnvError> {
+        check_len("obs", obs.len(), self.n_envs * self.obs_dim())?;
+        self.seed = seed;
+        self.scenarios = (0..self.n_envs as u64).collect();
+        let make = |index: &u64| Navigator::new(Arc::clone(&self.mdp), seed, *index);
+        self.navigators = self.scenarios.iter().map(make).collect::<Result<_, _>>()?;
+        let rows = obs.chunks_exact_mut(self.mdp.obs_dim());
+        self.navigators
+            .iter_mut()
+            .zip(rows)
+            .for_each(|(navigator, row)| navigator.observe(row));
+        Ok(())
+    }
+
+    fn step(&mut self, actions: &[u32], out: &mut Step) -> Result<(), EnvError> {
+        check_len("actions", actions.len(), self.n_envs)?;
+        let n_actions = self.n_actions();
+        if let Some(index) = actions
+            .iter()
+            .position(|action| *action as usize >= n_actions)
+        {
+            return Err(EnvError::NoSuchAction {
+                action: actions[index],
+                index,
+                n_actions,
+            });
+        }
+        self.step_all(out, |navigator, index| navigator.act(actions[index]))
+    }
+
+    fn save(&self, mut to: &mut dyn Write) -> Result<(), EnvError> {
+        let saved = SavedState {
+            seed: self.seed,
+            scenarios: self.scenarios.clone(),
+            navigators: self
+                .navigators
+                .iter()
+                .map(|navigator| navigator.state.clone())
+                .collect(),
+        };
+        Ok(rmp_serde::encode::write(&mut to, &saved)?)
+    }
+
+    fn load(&mut self, from: &mut dyn Read) -> Result<(), EnvError> {
+        let saved: SavedState = rmp_serde::decode::from_read(from)?;
+        let (found, expected) = (saved.navigators.len(), self.n_envs);
+        if found != expected || saved.scenarios.len() != expected {
+            return Err(EnvError::StateMismatch {
+                what: "environments",
+                found,
+                expected,
+            });
+        }
+        let restore = |state| Navigator::with_state(Arc::clone(&self.mdp), state);
+        let navigators = saved
+            .navigators
+            .into_iter()
+            .map(restore)
+            .collect::<Result<_, _>>()?;
+        (self.seed, self.scenarios, self.navigators) = (saved.seed, saved.scenarios, navigators);
+        Ok(())
+    }
+}

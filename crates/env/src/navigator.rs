@@ -1,0 +1,298 @@
+//! One vehicle on its way to a goal.
+
+use std::sync::Arc;
+
+use headway_planning::{Route, Sensed};
+use headway_reward::{Event, State, Transition};
+use headway_sim::{Command, Point, Proximity, Scenario, VehicleState, stream};
+use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
+
+use crate::{EnvError, GoalHandling, Mdp, Side};
+
+/// One vehicle in one scenario of an MDP. It is not reset by itself.
+#[derive(Debug, Clone)]
+pub struct Navigator {
+    mdp: Arc<Mdp>,
+    pub(crate) state: NavigatorState,
+}
+
+/// All of a navigator that changes.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct NavigatorState {
+    scenario: Scenario,
+    goal: Point,
+    route: Option<Route>,
+    vehicle: VehicleState,
+    before: Facts,
+    after: Facts,
+    command: Command,
+    event: Option<Event>,
+    distance: f64,
+    /// Steps since the start or the last goal.
+    n_steps: u32,
+    side: Side,
+    noise: ChaCha8Rng,
+    goals: ChaCha8Rng,
+}
+
+/// One moment in plain numbers: what becomes a reward's [`State`].
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct Facts {
+    speed: f64,
+    yaw_rate: f64,
+    goal_distance: f64,
+    goal_bearing: f64,
+    clearance: f64,
+    obstacle_angle: Option<f64>,
+    scan: Vec<f32>,
+}
+
+/// How a step left the process.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepEnd {
+    /// What the step was paid.
+    pub reward: f64,
+    /// Whether the process ended.
+    pub terminated: bool,
+    /// Whether the time limit cut it; never with `terminated`.
+    pub truncated: bool,
+}
+
+impl Navigator {
+    /// A vehicle at rest at the start of scenario number `index` of a seed. Its layout, its sensors' noise
+    /// and its further goals have random streams of their own.
+    ///
+    /// # Errors
+    /// If the scenario cannot be made.
+    pub fn new(mdp: Arc<Mdp>, seed: u64, index: u64) -> Result<Self, EnvError> {
+        let scenario = mdp.source.sample(&mut stream(seed, "layout", index))?;
+        Ok(Self::in_scenario(mdp, scenario, seed, index))
+    }
+
+    /// A vehicle at rest at the start of a given scenario, with the random streams of scenario number
+    /// `index` of a seed.
+    #[must_use]
+    pub fn in_scenario(mdp: Arc<Mdp>, scenario: Scenario, seed: u64, index: u64) -> Self {
+        let vehicle = VehicleState::at_rest(scenario.start);
+        let facts = Facts::new(mdp.lidar.beam_angles().len());
+        let state = NavigatorState {
+            goal: scenario.goal,
+            route: mdp.plan_route(
+                &scenario.world,
+                &scenario.start.translation.vector.into(),
+                &scenario.goal,
+            ),
+            scenario,
+            vehicle,
+            before: facts.clone(),
+            after: facts,
+            command: Command::default(),
+            event: None,
+            distance: 0.0,
+            n_steps: 0,
+            side: Side::AsSeen,
+            noise: stream(seed, "noise", index),
+            goals: stream(seed, "goals", index),
+        };
+        let mut navigator = Self { mdp, state };
+        let footprint = navigator.mdp.vehicle.footprint();
+        let proximity = navigator
+            .state
+            .scenario
+            .world
+            .proximity(footprint, &vehicle.pose);
+        navigator.look(&proximity);
+        navigator
+    }
+
+    /// Takes an action of the MDP's set, chosen on the last observation.
+    ///
+    /// # Errors
+    /// If a new goal is due and none can be found.
+    ///
+    /// # Panics
+    /// If there is no such action.
+    pub fn act(&mut self, action: u32) -> Result<StepEnd, EnvError> {
+        let speed = self.state.vehicle.twist.x;
+        let mut command = self.mdp.actions.command(action, speed, self.state.side);
+        if let (Some(spec), Some(route)) = (self.mdp.route, &self.state.route) {
+            command.yaw_rate =
+                spec.pursuit
+                    .yaw_rate(route, &self.state.vehicle.pose, command.speed);
+        }
+        self.drive(command)
+    }
+
+    /// Drives by a command for one control period.
+    ///
+    /// # Errors
+    /// If a new goal is due and none can be found.
+    pub fn drive(&mut self, command: Command) -> Result<StepEnd, EnvError> {
+        // The last step's `after` still shows the goal of that step; a new one may be in force since.
+        let (goal_distance, goal_bearing) = self.sensed().goal_polar();
+        let state = &mut self.state;
+        std::mem::swap(&mut state.before, &mut state.after);
+        (state.before.goal_distance, state.before.goal_bearing) = (goal_distance, goal_bearing);
+        let motion = self
+            .mdp
+            .vehicle
+            .step(&state.scenario.world, &mut state.vehicle, command);
+        state.command = command;
+        state.distance = motion.distance;
+        state.n_steps += 1;
+        self.look(&motion.proximity);
+        let has_reached = self.state.after.goal_distance <= self.mdp.reach_radius;
+        self.state.event = match (motion.collided, has_reached) {
+            (true, _) => Some(Event::Collision),
+            (false, true) => Some(Event::Reach),
+            (false, false) => None,
+        };
+        let reward = self.mdp.reward.reward(&self.transition());
+        self.end_step(reward)
+    }
+
+    /// Decides how the step ends, and hands out a new goal if one is due.
+    fn end_step(&mut self, reward: f64) -> Result<StepEnd, EnvError> {
+        let drives_on =
+            self.mdp.goal == GoalHandling::NewGoal && self.state.event == Some(Event::Reach);
+        let terminated = self.state.event.is_some() && !drives_on;
+        if drives_on {
+            let here = self.state.vehicle.pose.translation.vector.into();
+            let footprint = self.mdp.vehicle.footprint();
+            let goal = self
+                .state
+                .scenario
+                .new_goal(&here, footprint, &mut self.state.goals)?;
+            self.state.goal = goal;
+            self.state.route = self
+                .mdp
+                .plan_route(&self.state.scenario.world, &here, &goal);
+            self.state.n_steps = 0;
+        }
+        let truncated = !terminated && self.state.n_steps >= self.mdp.n_max_steps;
+        Ok(StepEnd {
+            reward,
+            terminated,
+            truncated,
+        })
+    }
+
+    /// Perceives the world from where the vehicle is now, into `after`.
+    fn look(&mut self, proximity: &Proximity) {
+        let (mdp, state) = (&self.mdp, &mut self.state);
+        let VehicleState { pose, twist } = state.vehicle;
+        let world = &state.scenario.world;
+        mdp.lidar
+            .scan(world, &pose, &mut state.noise, &mut state.after.scan);
+        state.after.speed = twist.x;
+        state.after.yaw_rate = twist.z;
+        state.after.clearance = proximity.clearance();
+        state.after.obstacle_angle = mdp.obstacle_angle.measure(world, &pose, &twist, proximity);
+        let (goal_distance, goal_bearing) = self.sensed().goal_polar();
+        (
+            self.state.after.goal_distance,
+            self.state.after.goal_bearing,
+        ) = (goal_distance, goal_bearing);
+    }
+
+    /// Encodes the present observation, shape `[obs_dim]`. The next action is taken to refer to it.
+    pub fn observe(&mut self, obs: &mut [f32]) {
+        let side = self.mdp.encoder.encode(&self.sensed(), obs);
+        self.state.side = side;
+    }
+
+    /// What the vehicle perceives now.
+    #[must_use]
+    pub fn sensed(&self) -> Sensed<'_> {
+        Sensed {
+            scan: &self.state.after.scan,
+            beam_angles: self.mdp.lidar.beam_angles(),
+            pose: self.state.vehicle.pose,
+            twist: self.state.vehicle.twist,
+            goal: self.state.goal,
+            route: self.state.route.as_ref(),
+        }
+    }
+
+    /// The last step as rewards see it: both of its states refer to the goal that was in force.
+    #[must_use]
+    pub fn transition(&self) -> Transition<'_> {
+        let angles = self.mdp.lidar.beam_angles();
+        Transition {
+            before: self.state.before.as_state(angles),
+            after: self.state.after.as_state(angles),
+            command_speed: self.state.command.speed,
+            command_yaw_rate: self.state.command.yaw_rate,
+            dt: self.mdp.vehicle.spec().control_period,
+            event: self.state.event,
+            limits: self.mdp.limits,
+        }
+    }
+
+    /// Where the vehicle is and how it moves.
+    #[must_use]
+    pub fn vehicle(&self) -> &VehicleState {
+        &self.state.vehicle
+    }
+
+    /// The present goal.
+    #[must_use]
+    pub fn goal(&self) -> Point {
+        self.state.goal
+    }
+
+    /// The world, the start and the first goal.
+    #[must_use]
+    pub fn scenario(&self) -> &Scenario {
+        &self.state.scenario
+    }
+
+    /// A navigator that goes on from a saved state.
+    pub(crate) fn with_state(mdp: Arc<Mdp>, state: NavigatorState) -> Result<Self, EnvError> {
+        let expected = mdp.lidar.beam_angles().len();
+        for found in [state.before.scan.len(), state.after.scan.len()] {
+            if found != expected {
+                return Err(EnvError::StateMismatch {
+                    what: "beams a scan",
+                    found,
+                    expected,
+                });
+            }
+        }
+        Ok(Self { mdp, state })
+    }
+
+    /// Length of the path driven in the last step, metres.
+    #[must_use]
+    pub fn step_distance(&self) -> f64 {
+        self.state.distance
+    }
+}
+
+impl Facts {
+    fn new(n_beams: usize) -> Self {
+        Self {
+            speed: 0.0,
+            yaw_rate: 0.0,
+            goal_distance: 0.0,
+            goal_bearing: 0.0,
+            clearance: 0.0,
+            obstacle_angle: None,
+            scan: vec![0.0; n_beams],
+        }
+    }
+
+    fn as_state<'a>(&'a self, beam_angles: &'a [f64]) -> State<'a> {
+        State {
+            speed: self.speed,
+            yaw_rate: self.yaw_rate,
+            goal_distance: self.goal_distance,
+            goal_bearing: self.goal_bearing,
+            clearance: self.clearance,
+            obstacle_angle: self.obstacle_angle,
+            scan: &self.scan,
+            beam_angles,
+        }
+    }
+}

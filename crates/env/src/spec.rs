@@ -1,0 +1,128 @@
+//! The MDP as data.
+
+use std::sync::Arc;
+
+use headway_planning::PurePursuit;
+use headway_reward::Reward;
+use headway_sensors::{LidarSpec, ObstacleAngleSpec};
+use headway_sim::{FieldError, VehicleSpec, WorldSpec, non_negative, positive};
+use serde::{Deserialize, Serialize};
+
+use crate::{ActionSpec, ObservationSpec};
+
+/// A whole navigation MDP as data: one field per table of a spec file.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct NavSpec {
+    /// Where episodes take place.
+    pub world: WorldSpec,
+    /// Who drives.
+    pub vehicle: VehicleSpec,
+    /// What it sees with.
+    pub lidar: LidarSpec,
+    /// The rules.
+    pub env: EnvSpec,
+    /// What it is paid.
+    pub reward: Arc<dyn Reward>,
+}
+
+impl Default for NavSpec {
+    /// The paper's small room and its reward R, with the defaults of all other tables.
+    fn default() -> Self {
+        Self {
+            world: WorldSpec::default(),
+            vehicle: VehicleSpec::default(),
+            lidar: LidarSpec::default(),
+            env: EnvSpec::default(),
+            reward: Arc::new(headway_reward::R::default()),
+        }
+    }
+}
+
+/// The rules of the MDP: the table `[env]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct EnvSpec {
+    /// What reaching a goal does to the episode.
+    pub goal: GoalHandling,
+    /// Distance from the vehicle's origin to the goal at which it counts as reached, metres, looked at once
+    /// per control period.
+    pub reach_radius: f64,
+    /// Time from the start, or from the last goal, after which the episode is cut, seconds.
+    pub time_limit: f64,
+    /// What the agent controls.
+    pub control: Control,
+    /// What it can choose from.
+    pub actions: ActionSpec,
+    /// What it observes.
+    pub observation: ObservationSpec,
+    /// Which obstacles have an angle, for rewards that use it.
+    pub obstacle_angle: ObstacleAngleSpec,
+}
+
+impl Default for EnvSpec {
+    fn default() -> Self {
+        Self {
+            goal: GoalHandling::Terminate,
+            reach_radius: 0.5,
+            time_limit: 60.0,
+            control: Control::Full {},
+            actions: ActionSpec::default(),
+            observation: ObservationSpec::default(),
+            obstacle_angle: ObstacleAngleSpec::default(),
+        }
+    }
+}
+
+/// What reaching a goal does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum GoalHandling {
+    /// It ends the episode: the step is terminated.
+    Terminate,
+    /// The vehicle is given a new goal in the same world and drives on: the step is neither terminated nor
+    /// truncated. Its reward uses the old goal, its `next_obs` shows the new one, and the time limit counts
+    /// anew.
+    NewGoal,
+}
+
+/// What the agent controls.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Control {
+    /// Speed and yaw rate.
+    Full {},
+    /// The speed alone: pure pursuit steers along a route planned over the true map.
+    SpeedOnly(RouteSpec),
+}
+
+/// How routes are planned and followed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RouteSpec {
+    /// Edge of a cell of the map, metres.
+    pub cell: f64,
+    /// Distance that the route keeps from surfaces beyond the footprint's circumradius, metres, wherever
+    /// there is room for it.
+    pub margin: f64,
+    /// How the route is followed.
+    pub pursuit: PurePursuit,
+}
+
+impl Default for RouteSpec {
+    fn default() -> Self {
+        Self {
+            cell: 0.1,
+            margin: 0.15,
+            pursuit: PurePursuit::default(),
+        }
+    }
+}
+
+impl RouteSpec {
+    pub(crate) fn check(&self) -> Result<(), FieldError> {
+        positive("cell", self.cell)?;
+        non_negative("margin", self.margin)?;
+        self.pursuit.check().map_err(|e| e.under("pursuit"))
+    }
+}
