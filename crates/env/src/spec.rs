@@ -66,7 +66,7 @@ impl Default for EnvSpec {
             goal: GoalHandling::Terminate,
             reach_radius: 0.5,
             time_limit: 60.0,
-            control: Control::Full {},
+            control: Control::default(),
             actions: ActionSpec::default(),
             observation: ObservationSpec::default(),
             obstacle_angle: ObstacleAngleSpec::default(),
@@ -116,6 +116,12 @@ impl Default for RouteSpec {
             margin: 0.15,
             pursuit: PurePursuit::default(),
         }
+    }
+}
+
+impl Default for Control {
+    fn default() -> Self {
+        Self::Full {}
     }
 }
 
