@@ -2,6 +2,8 @@
 
 use std::io::{Read, Write};
 
+use headway_reward::Event;
+
 use crate::EnvError;
 
 /// `n` copies of one Markov decision process in lock-step, row-major.
@@ -56,6 +58,9 @@ pub struct Step {
     /// Whether the time limit cut the episode: the process would have gone on. Never with `terminated`.
     /// `[n_envs]`.
     pub truncated: Vec<bool>,
+    /// What happened, if anything; under a new goal for every one reached, `Reach` comes without
+    /// `terminated`. `[n_envs]`.
+    pub events: Vec<Option<Event>>,
     /// Observations to act on next, after any reset: `[n_envs, obs_dim]`.
     pub obs: Vec<f32>,
 }
@@ -69,6 +74,7 @@ impl Step {
             rewards: vec![0.0; n_envs],
             terminated: vec![false; n_envs],
             truncated: vec![false; n_envs],
+            events: vec![None; n_envs],
             obs: vec![0.0; n_envs * obs_dim],
         }
     }

@@ -119,10 +119,10 @@ impl Mdp {
     }
 
     /// The length of the shortest way from one point to another for a disc of the footprint's
-    /// circumradius, metres: planned over a grid of 5 cm and pulled straight.
+    /// circumradius, metres: planned over a grid of 10 cm and pulled straight.
     #[must_use]
     pub fn geodesic(&self, world: &World, from: &Point, to: &Point) -> f64 {
-        const CELL: f64 = 0.05;
+        const CELL: f64 = 0.1;
         if world.is_free(from, to, self.radius()) {
             return (to - from).norm();
         }

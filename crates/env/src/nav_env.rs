@@ -91,6 +91,7 @@ impl NavEnv {
             out.rewards[index] = end.reward as f32;
             out.terminated[index] = end.terminated;
             out.truncated[index] = end.truncated;
+            out.events[index] = end.event;
             let row = index * dim..(index + 1) * dim;
             navigator.observe(&mut out.next_obs[row.clone()]);
             if end.terminated || end.truncated {

@@ -29,6 +29,7 @@ pub(crate) struct NavigatorState {
     command: Command,
     event: Option<Event>,
     distance: f64,
+    duration: f64,
     /// Steps since the start or the last goal.
     n_steps: u32,
     side: Side,
@@ -53,6 +54,8 @@ struct Facts {
 pub struct StepEnd {
     /// What the step was paid.
     pub reward: f64,
+    /// What happened, if anything.
+    pub event: Option<Event>,
     /// Whether the process ended.
     pub terminated: bool,
     /// Whether the time limit cut it; never with `terminated`.
@@ -90,6 +93,7 @@ impl Navigator {
             command: Command::default(),
             event: None,
             distance: 0.0,
+            duration: 0.0,
             n_steps: 0,
             side: Side::AsSeen,
             noise: stream(seed, "noise", index),
@@ -140,6 +144,7 @@ impl Navigator {
             .step(&state.scenario.world, &mut state.vehicle, command);
         state.command = command;
         state.distance = motion.distance;
+        state.duration = motion.duration;
         state.n_steps += 1;
         self.look(&motion.proximity);
         let has_reached = self.state.after.goal_distance <= self.mdp.reach_radius;
@@ -171,11 +176,7 @@ impl Navigator {
             self.state.n_steps = 0;
         }
         let truncated = !terminated && self.state.n_steps >= self.mdp.n_max_steps;
-        Ok(StepEnd {
-            reward,
-            terminated,
-            truncated,
-        })
+        Ok(StepEnd { reward, event: self.state.event, terminated, truncated })
     }
 
     /// Perceives the world from where the vehicle is now, into `after`.
@@ -267,6 +268,12 @@ impl Navigator {
     #[must_use]
     pub fn step_distance(&self) -> f64 {
         self.state.distance
+    }
+
+    /// Duration of the last step, seconds: the control period, or the time up to a collision.
+    #[must_use]
+    pub fn step_duration(&self) -> f64 {
+        self.state.duration
     }
 }
 

@@ -64,20 +64,12 @@ fn reaching_terminates_and_is_paid_100_by_r() {
     let mut vehicle = navigator(EnvSpec::default(), 5.0, None);
     assert_eq!(
         vehicle.drive(STRAIGHT).unwrap(),
-        StepEnd {
-            reward: 10.0,
-            terminated: false,
-            truncated: false
-        }
+        StepEnd { reward: 10.0, event: None, terminated: false, truncated: false }
     );
     let end = drive_until(&mut vehicle, |_, end| end.terminated);
     assert_eq!(
         end,
-        StepEnd {
-            reward: 100.0,
-            terminated: true,
-            truncated: false
-        }
+        StepEnd { reward: 100.0, event: Some(Event::Reach), terminated: true, truncated: false }
     );
     assert_eq!(vehicle.transition().event, Some(Event::Reach));
     assert!(vehicle.transition().after.goal_distance <= 0.5);
@@ -147,11 +139,7 @@ fn under_new_goal_reaching_is_paid_for_the_old_goal_and_shows_the_new_one() {
     });
     assert_eq!(
         end,
-        StepEnd {
-            reward: 100.0,
-            terminated: false,
-            truncated: false
-        }
+        StepEnd { reward: 100.0, event: Some(Event::Reach), terminated: false, truncated: false }
     );
     // The step looks back at the old goal, 3 m from the start, in both of its states.
     let step = vehicle.transition();

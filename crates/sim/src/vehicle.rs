@@ -99,6 +99,8 @@ impl VehicleState {
 pub struct Motion {
     /// Length of the path driven, metres.
     pub distance: f64,
+    /// Time driven, seconds: the control period, or less up to a collision.
+    pub duration: f64,
     /// Whether the vehicle hit something; it then stays where it first touched.
     pub collided: bool,
     /// How near things are at the end.
@@ -153,11 +155,8 @@ impl Vehicle {
             reach += self.point_speed(&stretch) * stretch.time;
         }
         let proximity = world.proximity(&self.footprint, &state.pose);
-        let unhurt = Motion {
-            distance,
-            collided: false,
-            proximity,
-        };
+        let duration = self.spec.control_period;
+        let unhurt = Motion { distance, duration, collided: false, proximity };
         if proximity.clearance() > reach {
             // No point of the outline moved further than what is now free around it.
             return unhurt;
@@ -198,7 +197,8 @@ impl Vehicle {
         command: Command,
         state: &mut VehicleState,
     ) -> Option<Motion> {
-        let (mut pose, mut twist, mut distance) = (start.pose, start.twist, 0.0);
+        let (mut pose, mut twist) = (start.pose, start.twist);
+        let (mut distance, mut duration) = (0.0, 0.0);
         for _ in 0..self.spec.n_substeps {
             let stretch = self.accelerate(&mut twist, command);
             let speed = self.point_speed(&stretch);
@@ -210,11 +210,8 @@ impl Vehicle {
                 if room <= 0.0 {
                     *state = VehicleState { pose: here, twist };
                     distance += stretch.speed.abs() * time;
-                    return Some(Motion {
-                        distance,
-                        collided: true,
-                        proximity,
-                    });
+                    duration += time;
+                    return Some(Motion { distance, duration, collided: true, proximity });
                 }
                 if time >= stretch.time {
                     pose = here;
@@ -228,6 +225,7 @@ impl Vehicle {
                 };
             }
             distance += stretch.speed.abs() * stretch.time;
+            duration += stretch.time;
         }
         None
     }

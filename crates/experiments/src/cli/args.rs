@@ -1,0 +1,182 @@
+//! The command line: plain data, checked by clap.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::spec::Assignment;
+
+const EXAMPLES: &str = "\
+Examples:
+  experiments list                                   what a spec can choose from
+  experiments check specs/quick.toml                 is it valid, how many runs, how long
+  experiments run specs/quick.toml                   train and evaluate every run not yet done
+  experiments run specs/quick.toml --set seeds.count=1 --set train.n_steps=10000
+  experiments report results/quick                   success, collisions, speed, with intervals
+
+Exit codes: 0 success; 2 bad input (nothing was written); 1 any other failure.";
+
+const SET_HELP: &str = "Replace one value of the spec; may be repeated";
+
+const SET_LONG_HELP: &str = "\
+Replace one value of the spec; may be repeated.
+
+PATH is dotted and must exist once all defaults are filled in; numbers index
+arrays. VALUE is TOML, or else a plain string. It is applied last, to every
+cell. `name` and `seeds.*` can be set too.
+
+  --set agent.gamma=0.9
+  --set seeds.count=2
+  --set reward.terms.1.weight=10
+  --set 'reward={ type = \"r_couple\", desired_speed = 1.0 }'";
+
+/// The parsed command line of `experiments`.
+#[derive(Debug, Parser)]
+#[command(
+    name = "experiments",
+    bin_name = "experiments",
+    version,
+    about = "Train, compare and deploy speed-planning policies: grids of runs from TOML specs.",
+    after_help = EXAMPLES
+)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// One subcommand with its arguments.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Train and evaluate every run of a spec that is not yet done.
+    Run(RunArgs),
+    /// Validate a spec and print its cells, seeds, runs and estimated cost; write nothing.
+    Check(CheckArgs),
+    /// List the rewards, worlds and choices that a spec can name, with their keys and defaults.
+    List(ListArgs),
+    /// Summarise a folder of finished runs with intervals over the training seeds.
+    Report(ReportArgs),
+    /// Drive a policy file through a spec's evaluation worlds.
+    Evaluate(EvaluateArgs),
+}
+
+/// Arguments of `experiments run`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  experiments run specs/quick.toml
+  experiments run specs/table1.toml --out results/table1 --jobs 8
+  experiments run specs/quick.toml --set agent.target=dqn --set seeds.count=1
+
+A run that is already in DIR is not repeated; a run that was interrupted starts afresh.")]
+pub struct RunArgs {
+    /// The spec file: one run, or a grid of them.
+    #[arg(value_name = "SPEC")]
+    pub spec: PathBuf,
+    /// The folder that keeps the runs [default: results/NAME, after the spec's name].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// How many runs train at once [default: the number of cores].
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<NonZeroUsize>,
+    #[arg(long = "set", value_name = "PATH=VALUE", help = SET_HELP, long_help = SET_LONG_HELP)]
+    /// Values to replace in the spec, in order.
+    pub set: Vec<Assignment>,
+}
+
+/// Arguments of `experiments check`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  experiments check specs/table1.toml
+  experiments check specs/table1.toml --set train.n_steps=200000")]
+pub struct CheckArgs {
+    /// The spec file: one run, or a grid of them.
+    #[arg(value_name = "SPEC")]
+    pub spec: PathBuf,
+    #[arg(long = "set", value_name = "PATH=VALUE", help = SET_HELP, long_help = SET_LONG_HELP)]
+    /// Values to replace in the spec, in order.
+    pub set: Vec<Assignment>,
+}
+
+/// Arguments of `experiments list`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Example:
+  experiments list
+
+A reward from a plugin crate is listed by binaries that link it: `use my_rewards as _;` in their main.rs.")]
+pub struct ListArgs {}
+
+/// Arguments of `experiments report`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  experiments report results/quick
+  experiments report results/table1 --format csv > table1.csv")]
+pub struct ReportArgs {
+    /// The folder that `experiments run --out DIR` filled.
+    #[arg(value_name = "DIR")]
+    pub dir: PathBuf,
+    /// How to print.
+    #[arg(long, value_enum, default_value_t = ReportFormat::Table)]
+    pub format: ReportFormat,
+}
+
+/// Arguments of `experiments evaluate`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  experiments evaluate policy.safetensors --spec specs/quick.toml
+  experiments evaluate policy.safetensors --spec specs/quick.toml --world 10x15 --plot drive.svg
+  experiments evaluate policy.safetensors --spec specs/quick.toml --episodes 20 --seed 7 --plot drives.svg --plot-episodes 0,1,2")]
+pub struct EvaluateArgs {
+    /// The policy file that a run wrote.
+    #[arg(value_name = "POLICY")]
+    pub policy: PathBuf,
+    /// The spec whose [evaluate] table names the worlds.
+    #[arg(long, value_name = "SPEC")]
+    pub spec: PathBuf,
+    /// Episodes in each world, instead of the spec's.
+    #[arg(long, value_name = "N")]
+    pub episodes: Option<NonZeroUsize>,
+    /// The seed of the scenarios, instead of the spec's.
+    #[arg(long, value_name = "S")]
+    pub seed: Option<u64>,
+    /// How to print.
+    #[arg(long, value_enum, default_value_t = EvaluateFormat::Table)]
+    pub format: EvaluateFormat,
+    /// The evaluation world to drive in, by its name [default: all of them].
+    #[arg(long, value_name = "NAME")]
+    pub world: Option<String>,
+    /// Also draw episodes of the first of these worlds: the path coloured by speed, and the speed over time.
+    #[arg(long, value_name = "OUT.svg")]
+    pub plot: Option<PathBuf>,
+    /// Which episodes to draw, counted from 0; several are drawn side by side, without speed over time.
+    #[arg(long, value_name = "K[,K]...", value_delimiter = ',', default_value = "0", requires = "plot")]
+    pub plot_episodes: Vec<usize>,
+    #[arg(long = "set", value_name = "PATH=VALUE", help = SET_HELP, long_help = SET_LONG_HELP)]
+    /// Values to replace in the spec, in order.
+    pub set: Vec<Assignment>,
+}
+
+/// How `experiments report` prints.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ReportFormat {
+    /// A table for people.
+    Table,
+    /// JSON, one object.
+    Json,
+    /// CSV, one line per cell and world.
+    Csv,
+}
+
+/// How `experiments evaluate` prints.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum EvaluateFormat {
+    /// A table for people.
+    Table,
+    /// JSON, one object.
+    Json,
+}

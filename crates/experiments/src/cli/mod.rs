@@ -1,0 +1,56 @@
+//! The command line of `experiments`: one file per subcommand.
+
+pub mod args;
+pub mod check;
+pub mod evaluate;
+pub mod list;
+pub mod report;
+pub mod run;
+mod speed;
+
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::Error;
+use args::{Cli, Command};
+
+/// The whole binary: parses the command line, runs the subcommand, reports errors on stderr.
+///
+/// A reward plugin's own binary is two lines: `use my_rewards as _;` and a call of this function.
+///
+/// Returns 0 on success, 2 on bad input (nothing was written), 1 on any other failure.
+pub fn main() -> ExitCode {
+    let result = execute(&Cli::parse().command, &mut io::stdout().lock());
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            // Where even stderr is closed, the exit code must do.
+            let _ = writeln!(io::stderr(), "error: {error}");
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
+
+fn execute(command: &Command, out: &mut dyn Write) -> Result<(), Error> {
+    match command {
+        Command::Check(args) => check::execute(args, out),
+        Command::List(args) => list::execute(args, out),
+        Command::Report(args) => report::execute(args, out),
+        Command::Run(args) => run::execute(args, out),
+        Command::Evaluate(args) => evaluate::execute(args, out),
+    }
+}
+
+/// Whether the reader of our output has seen enough, as `head` has.
+fn is_closed_pipe(error: &Error) -> bool {
+    matches!(error, Error::Io { source, .. } if source.kind() == io::ErrorKind::BrokenPipe)
+}
+
+/// Writes `text` to the output.
+fn print(out: &mut dyn Write, text: &str) -> Result<(), Error> {
+    let written = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    written.map_err(|error| Error::io("write", "the output".as_ref(), error))
+}

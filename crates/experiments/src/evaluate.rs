@@ -1,0 +1,168 @@
+//! Evaluation: drivers on held-out scenarios, one goal an episode.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use headway_env::{Event, Mdp, NavSpec, Navigator, StepEnd};
+use headway_planning::Controller;
+use headway_sim::{Point, Scenario, Surface, stream, stream_seed};
+
+use crate::Error;
+use crate::episode::{EpisodeMeter, EpisodeRecord, Outcome, Sample};
+use crate::plot::{Outline, PathSample, Trajectory};
+
+/// Half the opening of the cone that must be clear for a deceleration to be needless, radians.
+const CONE: f64 = PI / 6.0;
+
+/// Held-out scenarios of one world: the same for every driver, whatever it was trained with.
+#[derive(Debug)]
+pub struct ScenarioSet {
+    seed: u64,
+    /// Each scenario with the length of its shortest way to the edge of the goal's disc, metres.
+    scenarios: Vec<(Scenario, f64)>,
+}
+
+impl ScenarioSet {
+    /// The first `n_episodes` scenarios of a seed.
+    ///
+    /// They come from a random stream that no training draws from, even if the seeds are equal.
+    ///
+    /// # Errors
+    /// If a scenario cannot be made.
+    pub fn new(mdp: &Mdp, n_episodes: usize, seed: u64) -> Result<Self, Error> {
+        let seed = stream_seed(seed, "evaluate", 0);
+        let make = |index| {
+            let scenario = mdp.source().sample(&mut stream(seed, "layout", index)).map_err(Error::failure)?;
+            let start = Point::from(scenario.start.translation.vector);
+            let way = mdp.geodesic(&scenario.world, &start, &scenario.goal) - mdp.reach_radius();
+            Ok((scenario, way.max(0.0)))
+        };
+        Ok(Self { seed, scenarios: (0..n_episodes as u64).map(make).collect::<Result<_, Error>>()? })
+    }
+
+    /// How many scenarios there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.scenarios.len()
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.scenarios.is_empty()
+    }
+
+    /// One episode in scenario number `index`: its record; `watch` sees every state, the start included.
+    ///
+    /// # Errors
+    /// If there is no such scenario.
+    pub fn drive(
+        &self,
+        mdp: &Arc<Mdp>,
+        driver: &mut dyn Controller,
+        index: usize,
+        mut watch: impl FnMut(&Navigator),
+    ) -> Result<EpisodeRecord, Error> {
+        let (scenario, geodesic) = self.scenarios.get(index).ok_or_else(|| {
+            Error::Input(format!("there is no episode {index}: there are {}, counted from 0", self.len()))
+        })?;
+        let mut vehicle = Navigator::in_scenario(Arc::clone(mdp), scenario.clone(), self.seed, index as u64);
+        let mut meter = EpisodeMeter::new(mdp.vehicle().spec().max_acceleration);
+        driver.reset();
+        watch(&vehicle);
+        loop {
+            let free_range = scenario.world.sector_range(&vehicle.vehicle().pose, CONE);
+            let command = driver.command(&vehicle.sensed());
+            let end = vehicle.drive(command).map_err(Error::failure)?;
+            let step = vehicle.transition();
+            meter.push(&Sample {
+                speed_before: step.before.speed,
+                speed_after: step.after.speed,
+                dt: vehicle.step_duration(),
+                distance: vehicle.step_distance(),
+                clearance: step.before.clearance,
+                free_range,
+            });
+            watch(&vehicle);
+            if let Some(outcome) = outcome(&end) {
+                return Ok(meter.finish(index as u64, outcome, *geodesic));
+            }
+        }
+    }
+
+    /// All episodes, in the order of the scenarios.
+    ///
+    /// # Errors
+    /// If the environment fails.
+    pub fn drive_all(&self, mdp: &Arc<Mdp>, driver: &mut dyn Controller) -> Result<Vec<EpisodeRecord>, Error> {
+        (0..self.len()).map(|index| self.drive(mdp, driver, index, |_| ())).collect()
+    }
+
+    /// One episode as a picture needs it.
+    ///
+    /// # Errors
+    /// If there is no such scenario.
+    pub fn trajectory(
+        &self,
+        mdp: &Arc<Mdp>,
+        driver: &mut dyn Controller,
+        index: usize,
+        title: String,
+    ) -> Result<Trajectory, Error> {
+        let (mut samples, mut t) = (Vec::new(), 0.0);
+        let record = self.drive(mdp, driver, index, |vehicle| {
+            t += vehicle.step_duration();
+            let (pose, twist) = (vehicle.vehicle().pose, vehicle.vehicle().twist);
+            let (x, y) = (pose.translation.x, pose.translation.y);
+            samples.push(PathSample { t, x, y, yaw: pose.rotation.angle(), speed: twist.x });
+        })?;
+        let (scenario, _) = &self.scenarios[index];
+        let room = scenario.world.room();
+        Ok(Trajectory {
+            title,
+            width: room.width,
+            height: room.height,
+            obstacles: outlines(scenario),
+            goal: [scenario.goal.x, scenario.goal.y],
+            reach_radius: mdp.reach_radius(),
+            footprint_radius: mdp.vehicle().footprint().circumradius(),
+            samples,
+            outcome: record.outcome,
+        })
+    }
+}
+
+fn outlines(scenario: &Scenario) -> Vec<Outline> {
+    let obstacles = (0..scenario.world.obstacles().len()).map(Surface::Obstacle);
+    obstacles
+        .filter_map(|surface| match scenario.world.outline(surface) {
+            headway_sim::Outline::Disc { center, radius } => Some(Outline::Disc { x: center.x, y: center.y, radius }),
+            headway_sim::Outline::Polygon(corners) => {
+                Some(Outline::Polygon { points: corners.iter().map(|corner| [corner.x, corner.y]).collect() })
+            }
+            headway_sim::Outline::Wall(_) => None,
+        })
+        .collect()
+}
+
+fn outcome(end: &StepEnd) -> Option<Outcome> {
+    match end.event {
+        Some(Event::Collision) => Some(Outcome::Collision),
+        Some(Event::Reach) => Some(Outcome::Success),
+        None => end.truncated.then_some(Outcome::Timeout),
+    }
+}
+
+/// The decision process that a policy drives in: the world, the goal and the time limit of `rules`, and all else as in
+/// the policy's own header.
+///
+/// # Errors
+/// If the policy was made for another vehicle or lidar than `rules` have.
+pub fn for_policy(mut rules: NavSpec, policy: &headway_policy::Policy) -> Result<Arc<Mdp>, Error> {
+    policy.check(&rules.vehicle, &rules.lidar).map_err(|error| Error::Input(error.to_string()))?;
+    let header = policy.header();
+    rules.env.control = header.control;
+    rules.env.actions = header.actions.clone();
+    rules.env.observation = header.observation;
+    rules.build().map_err(Error::failure)
+}

@@ -1,0 +1,190 @@
+//! What is shown on the standard error stream while jobs run.
+
+use std::io::{self, IsTerminal, Write};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// The time between two refreshes of the bar.
+const BAR_PERIOD: Duration = Duration::from_millis(200);
+/// The time between two lines.
+const LINE_PERIOD: Duration = Duration::from_secs(10);
+
+/// What is shown on the standard error stream while jobs run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Display {
+    /// A progress bar.
+    Bar,
+    /// A line about every ten seconds, and one at the end.
+    Lines,
+    /// Nothing.
+    Silent,
+}
+
+/// All the work there is.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Work {
+    pub(super) n_jobs: usize,
+    pub(super) n_steps: u64,
+}
+
+/// How far the work has come.
+#[derive(Debug, Clone, Copy)]
+struct Snapshot {
+    work: Work,
+    n_finished: usize,
+    n_steps: u64,
+    elapsed: Duration,
+}
+
+impl Display {
+    /// A bar if the standard error stream is a terminal, lines otherwise.
+    pub fn auto() -> Self {
+        if io::stderr().is_terminal() {
+            Self::Bar
+        } else {
+            Self::Lines
+        }
+    }
+
+    /// Shows the progress until the workers, who send one event per finished job, have all hung up.
+    pub(super) fn follow(self, work: Work, events: &Receiver<()>, n_steps: &AtomicU64) {
+        let bar = self.bar(work);
+        let period = if self == Self::Lines {
+            LINE_PERIOD
+        } else {
+            BAR_PERIOD
+        };
+        let start = Instant::now();
+        let (mut n_finished, mut due) = (0, start + period);
+        let snapshot = |n_finished| Snapshot {
+            work,
+            n_finished,
+            n_steps: n_steps.load(Ordering::Relaxed),
+            elapsed: start.elapsed(),
+        };
+        loop {
+            match events.recv_timeout(due.saturating_duration_since(Instant::now())) {
+                Ok(()) => n_finished += 1,
+                Err(RecvTimeoutError::Timeout) => {
+                    self.show(&bar, &snapshot(n_finished));
+                    due = Instant::now() + period;
+                }
+                Err(RecvTimeoutError::Disconnected) => break,
+            }
+        }
+        bar.finish_and_clear();
+        // Where a job failed, its error is the last word.
+        if self != Self::Silent && n_finished == work.n_jobs {
+            print(&snapshot(n_finished));
+        }
+    }
+
+    fn bar(self, work: Work) -> ProgressBar {
+        if self != Self::Bar {
+            return ProgressBar::hidden();
+        }
+        let style = ProgressStyle::with_template("{bar:30} {percent:>3} %  {msg}")
+            .expect("a valid template");
+        let bar = ProgressBar::new(work.n_steps).with_style(style);
+        bar.set_message(format!("0 of {} runs", work.n_jobs));
+        bar
+    }
+
+    fn show(self, bar: &ProgressBar, snapshot: &Snapshot) {
+        match self {
+            Self::Bar => {
+                bar.set_message(snapshot.text());
+                bar.set_position(snapshot.n_steps);
+            }
+            Self::Lines => print(snapshot),
+            Self::Silent => {}
+        }
+    }
+}
+
+/// Prints a line of progress; nobody misses it if there is nowhere to print it.
+fn print(snapshot: &Snapshot) {
+    let _ = writeln!(io::stderr(), "{}", snapshot.text());
+}
+
+impl Snapshot {
+    /// For example `3 of 40 runs, 240k env steps/s, 2 min left`.
+    fn text(&self) -> String {
+        let seconds = self.elapsed.as_secs_f64();
+        let rate = self.n_steps as f64 / seconds.max(1e-9);
+        let runs = format!("{} of {} runs", self.n_finished, self.work.n_jobs);
+        if self.n_finished == self.work.n_jobs {
+            return format!(
+                "{runs}, {} env steps/s, took {}",
+                count(rate),
+                time(seconds)
+            );
+        }
+        let left = (self.n_steps > 0)
+            .then(|| (self.work.n_steps - self.n_steps.min(self.work.n_steps)) as f64 / rate);
+        let left = left.map_or_else(String::new, |seconds| format!(", {} left", time(seconds)));
+        format!("{runs}, {} env steps/s{left}", count(rate))
+    }
+}
+
+/// A number with three digits at most, as in `950`, `24k`, `1.3M`.
+fn count(number: f64) -> String {
+    match number {
+        n if n >= 999_500.0 => format!("{:.1}M", n / 1e6),
+        n if n >= 999.5 => format!("{:.0}k", n / 1e3),
+        n => format!("{n:.0}"),
+    }
+}
+
+/// A time that people can take in, as in `45 s`, `12 min`, `3 h 20 min`.
+fn time(seconds: f64) -> String {
+    let minutes = (seconds / 60.0).round() as u64;
+    match minutes {
+        _ if seconds < 99.5 => format!("{seconds:.0} s"),
+        ..100 => format!("{minutes} min"),
+        _ => format!("{} h {} min", minutes / 60, minutes % 60),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn text(n_finished: usize, n_steps: u64, seconds: u64) -> String {
+        let work = Work {
+            n_jobs: 40,
+            n_steps: 4_000_000,
+        };
+        Snapshot {
+            work,
+            n_finished,
+            n_steps,
+            elapsed: Duration::from_secs(seconds),
+        }
+        .text()
+    }
+
+    #[test]
+    fn lines_of_progress() {
+        assert_eq!(text(0, 0, 10), "0 of 40 runs, 0 env steps/s");
+        assert_eq!(
+            text(3, 1_000_000, 10),
+            "3 of 40 runs, 100k env steps/s, 30 s left"
+        );
+        assert_eq!(
+            text(3, 10_000, 10),
+            "3 of 40 runs, 1k env steps/s, 67 min left"
+        );
+        assert_eq!(
+            text(3, 1_000, 10),
+            "3 of 40 runs, 100 env steps/s, 11 h 7 min left"
+        );
+        assert_eq!(
+            text(40, 4_000_000, 3),
+            "40 of 40 runs, 1.3M env steps/s, took 3 s"
+        );
+    }
+}

@@ -1,0 +1,16 @@
+//! Specs, grids, the training loop, evaluation, statistics and reports: the experiments binary.
+
+pub mod cli;
+pub mod episode;
+mod error;
+pub mod evaluate;
+pub mod jobs;
+pub mod plot;
+pub mod report;
+pub mod spec;
+pub mod stats;
+pub mod store;
+pub mod train;
+
+pub use cli::main;
+pub use error::Error;

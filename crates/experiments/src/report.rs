@@ -1,0 +1,142 @@
+//! What a results folder says: success, collisions, timeouts and speeds of every cell in every world, with intervals.
+
+mod csv;
+mod json;
+mod layout;
+mod load;
+mod table;
+
+pub use load::load;
+
+use crate::episode::{EpisodeRecord, Metric, SeedSummary};
+use crate::stats::{Estimate, over_seeds, wilson};
+use crate::store::AxisLevel;
+
+/// The width of terminal tables, in characters.
+pub const TABLE_WIDTH: usize = 120;
+
+/// A report, made by [`load`] from a results folder or by [`of_policy`] from the episodes of a single policy.
+///
+/// [`table`](Self::table), [`json`](Self::json) and [`csv`](Self::csv) show the same rows; [`notes`](Self::notes) says
+/// what a reader must know before trusting them, and stands below the table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report {
+    /// The names of the axes, in the order of the grid.
+    pub axes: Vec<String>,
+    /// One row per cell and evaluation world, in the order of the grid.
+    pub rows: Vec<Row>,
+    /// What the intervals are.
+    pub interval: Interval,
+    /// Number of runs of which the policy and all evaluations are there.
+    pub n_complete: usize,
+    /// Number of runs of the grid.
+    pub n_runs: usize,
+    /// Reasons to distrust the comparison: runs of several revisions or versions.
+    pub warnings: Vec<String>,
+}
+
+/// What the intervals of a report are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Interval {
+    /// 95 % percentile bootstrap over the training seeds.
+    Seeds,
+    /// 95 % Wilson score intervals of one policy's rates over its episodes; the other metrics have none.
+    Episodes,
+}
+
+/// The metrics of one cell in one evaluation world.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// The cell's levels, in the order of the axes.
+    pub axes: Vec<AxisLevel>,
+    /// The name of the evaluation world.
+    pub world: String,
+    /// Number of seeds that were evaluated.
+    pub n_seeds: usize,
+    /// Number of episodes of all seeds together.
+    pub n_episodes: usize,
+    /// The estimates, in the order of [`Metric::ALL`].
+    pub estimates: [Estimate; Metric::ALL.len()],
+}
+
+impl Row {
+    /// The row of a cell, from the summary of each of its seeds.
+    pub fn of_seeds(axes: Vec<AxisLevel>, world: String, seeds: &[SeedSummary]) -> Self {
+        let estimates = Metric::ALL.map(|metric| {
+            let values: Vec<_> = seeds.iter().map(|seed| metric.of(seed)).collect();
+            over_seeds(&values)
+        });
+        Self {
+            axes,
+            world,
+            n_seeds: seeds.len(),
+            n_episodes: seeds.iter().map(|seed| seed.n_episodes).sum(),
+            estimates,
+        }
+    }
+
+    /// The estimate of a metric.
+    pub fn estimate(&self, metric: Metric) -> Estimate {
+        let place = Metric::ALL.iter().position(|m| *m == metric);
+        self.estimates[place.expect("ALL holds every metric")]
+    }
+}
+
+/// The report on a single policy: one row per world, from the world's name and the episodes driven in it.
+///
+/// ```
+/// use headway_experiments::episode::{EpisodeMeter, Outcome, Sample};
+/// use headway_experiments::report::of_policy;
+///
+/// let mut meter = EpisodeMeter::new(2.0);
+/// let step = Sample { speed_before: 1.0, speed_after: 1.0, dt: 4.0, distance: 4.0, clearance: 3.0, free_range: 5.0 };
+/// meter.push(&step);
+/// let report = of_policy(&[("room", vec![meter.finish(0, Outcome::Success, 4.0)])]);
+/// assert!(report.csv().starts_with("world,seeds,episodes,success,success_low,success_high,"));
+/// ```
+pub fn of_policy(worlds: &[(impl AsRef<str>, Vec<EpisodeRecord>)]) -> Report {
+    let rows = worlds
+        .iter()
+        .map(|(world, episodes)| policy_row(world.as_ref(), episodes))
+        .collect();
+    Report {
+        axes: Vec::new(),
+        rows,
+        interval: Interval::Episodes,
+        n_complete: 1,
+        n_runs: 1,
+        warnings: Vec::new(),
+    }
+}
+
+fn policy_row(world: &str, episodes: &[EpisodeRecord]) -> Row {
+    let mut row = Row::of_seeds(Vec::new(), world.to_owned(), &[SeedSummary::of(episodes)]);
+    for (estimate, metric) in row.estimates.iter_mut().zip(Metric::ALL) {
+        if let Some(outcome) = metric.outcome() {
+            *estimate = wilson(
+                episodes.iter().filter(|e| e.outcome == outcome).count(),
+                episodes.len(),
+            );
+        }
+    }
+    row
+}
+
+impl Report {
+    /// What a reader must know before trusting the numbers, one line each: unfinished runs and mixed versions.
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        if self.n_complete < self.n_runs {
+            notes.push(format!(
+                "unfinished: {} of {} runs are complete",
+                self.n_complete, self.n_runs
+            ));
+        }
+        notes.extend(
+            self.warnings
+                .iter()
+                .map(|warning| format!("warning: {warning}")),
+        );
+        notes
+    }
+}

@@ -1,0 +1,242 @@
+//! A spec with all defaults filled in, whose values can be replaced.
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use toml::{Table, Value};
+
+use super::merge::chooses_anew;
+use super::typed::{Misfit, Why, parse, unknown_key};
+use super::{KeyPath, path};
+
+/// A spec as an object and as the TOML tree that it serialises to: every default is in the tree.
+#[derive(Debug, Clone)]
+pub(crate) struct Resolved<T> {
+    pub(crate) spec: T,
+    pub(crate) tree: Value,
+}
+
+/// Why a tree is no spec: what does not fit, explained.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Refusal {
+    pub(crate) path: KeyPath,
+    pub(crate) value: Option<String>,
+    pub(crate) problem: String,
+}
+
+impl Refusal {
+    /// `problem` of the value at `path` in `tree`.
+    pub(crate) fn new(tree: &Value, path: KeyPath, problem: String) -> Self {
+        let value = path::get(tree, &path).and_then(shown);
+        Self { path, value, problem }
+    }
+
+    fn of(misfit: Misfit, tree: &Value) -> Self {
+        let mut problem = misfit.explain(tree);
+        if matches!(misfit.why, Why::UnknownChoice(_)) && misfit.path.first() == "reward" {
+            problem.push_str(PLUGIN_HINT);
+        }
+        Self::new(tree, misfit.path, problem)
+    }
+}
+
+/// Said wherever a reward's type is unknown.
+const PLUGIN_HINT: &str = ". A plugin's rewards, named `plugin/reward`, are known only to a binary that links its crate: \
+                           write `use my_rewards as _;` in that binary's main.rs";
+
+/// A value short enough for a message.
+fn shown(value: &Value) -> Option<String> {
+    let text = match value {
+        Value::Table(_) => return None,
+        other => other.to_string(),
+    };
+    (text.len() <= 60).then_some(text)
+}
+
+impl<T: Serialize + DeserializeOwned> Resolved<T> {
+    /// Parses `table` and fills in the defaults.
+    pub(crate) fn new(table: Table) -> Result<Self, Refusal> {
+        Self::from_tree(Value::Table(table))
+    }
+
+    fn from_tree(given: Value) -> Result<Self, Refusal> {
+        if let Some(path) = path::first_non_finite(&given) {
+            return Err(Refusal::new(&given, path, "must be a finite number".into()));
+        }
+        let spec: T = parse(&given).map_err(|misfit| Refusal::of(misfit, &given))?;
+        let tree = Value::try_from(&spec).map_err(|error| {
+            let problem = format!("cannot be written as TOML: {error}");
+            Refusal::new(&given, KeyPath::default(), problem)
+        })?;
+        Ok(Self { spec, tree })
+    }
+
+    /// Replaces the value at `path`, which must exist.
+    ///
+    /// A table without a `type`, put where a table is, stands for its entries: `agent = { target = "dqn" }` sets
+    /// `agent.target` and leaves the rest of `agent` as it is.
+    pub(crate) fn set(&mut self, path: &KeyPath, value: Value) -> Result<(), Refusal> {
+        match value {
+            Value::Table(entries) if self.stands_for_its_entries(path, &entries) => {
+                entries.into_iter().try_for_each(|(key, value)| {
+                    let refuse = |problem| Refusal { path: path.clone(), value: None, problem };
+                    let further: KeyPath = key.parse().map_err(refuse)?;
+                    self.set(&path.extend(&further), value)
+                })
+            }
+            value => self.replace(path, value),
+        }
+    }
+
+    fn stands_for_its_entries(&self, path: &KeyPath, entries: &Table) -> bool {
+        let old = path::get(&self.tree, path).and_then(Value::as_table);
+        old.is_some_and(|old| !entries.contains_key("type") && !chooses_anew(old, entries))
+    }
+
+    fn replace(&mut self, path: &KeyPath, value: Value) -> Result<(), Refusal> {
+        self.check_way(path, &value)?;
+        let mut tree = self.tree.clone();
+        match path::get_mut(&mut tree, &path.parent()) {
+            // An optional key that is not set is missing from the tree: parsing tells it from an unknown one.
+            Some(Value::Table(table)) => drop(table.insert(path.last().into(), value.clone())),
+            _ => *path::get_mut(&mut tree, path).ok_or_else(|| self.unknown(path, &value))? = value.clone(),
+        }
+        let next = Self::from_tree(tree)?;
+        if path::get(&next.tree, path).is_none() {
+            return Err(self.unknown(path, &value));
+        }
+        *self = next;
+        Ok(())
+    }
+
+    /// Refuses a path whose holder does not exist.
+    fn check_way(&self, path: &KeyPath, value: &Value) -> Result<(), Refusal> {
+        let mut way = KeyPath::default();
+        for segment in path.parent().segments() {
+            way = way.join(segment);
+            if path::get(&self.tree, &way).is_none() {
+                return Err(Refusal { path: path.clone(), ..self.unknown(&way, value) });
+            }
+        }
+        Ok(())
+    }
+
+    /// The refusal of a path that does not exist, although its parent does.
+    fn unknown(&self, path: &KeyPath, value: &Value) -> Refusal {
+        let (holder, key) = (path.parent(), path.last());
+        let problem = match path::get(&self.tree, &holder) {
+            Some(Value::Table(table)) => {
+                let known: Vec<&String> = table.keys().collect();
+                unknown_key(key, &holder, &known)
+            }
+            Some(Value::Array(items)) => match items.len() {
+                0 => format!("no entry {key}: `{holder}` is empty"),
+                n => format!("no entry {key}: `{holder}` has entries 0 to {}", n - 1),
+            },
+            _ => format!("`{holder}` is one value and has no keys"),
+        };
+        Refusal { path: path.clone(), value: shown(value), problem }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde::Deserialize;
+
+    use super::*;
+
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    #[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
+    enum Shape {
+        Disc { radius: f64 },
+        Box { length: f64, width: f64 },
+    }
+
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    #[serde(default, deny_unknown_fields)]
+    struct Small {
+        speed: f64,
+        count: usize,
+        note: Option<String>,
+        shapes: Vec<Shape>,
+        inner: Inner,
+    }
+
+    #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+    #[serde(default, deny_unknown_fields)]
+    struct Inner {
+        a: f64,
+        b: f64,
+    }
+
+    impl Default for Small {
+        fn default() -> Self {
+            let shapes = vec![Shape::Disc { radius: 1.0 }, Shape::Box { length: 2.0, width: 3.0 }];
+            Self { speed: 1.5, count: 3, note: None, shapes, inner: Inner { a: 1.0, b: 2.0 } }
+        }
+    }
+
+    /// The default after one replacement.
+    fn after(set: &str) -> Result<Small, Refusal> {
+        let mut small: Resolved<Small> = Resolved::new(Table::new())?;
+        let set: super::super::Assignment = set.parse().unwrap();
+        small.set(&set.path, set.value).map(|()| small.spec)
+    }
+
+    #[test]
+    fn a_value_at_a_path_is_replaced() {
+        let default = Small::default;
+        assert_eq!(after("speed=2"), Ok(Small { speed: 2.0, ..default() }));
+        assert_eq!(after("shapes.0.radius=2").unwrap().shapes[0], Shape::Disc { radius: 2.0 });
+        assert_eq!(after("inner.b=5"), Ok(Small { inner: Inner { a: 1.0, b: 5.0 }, ..default() }));
+        let disc = Shape::Disc { radius: 0.5 };
+        assert_eq!(after("shapes.1={ type = 'disc', radius = 0.5 }").unwrap().shapes[1], disc);
+        assert_eq!(after("shapes=[]").unwrap().shapes, []);
+    }
+
+    #[test]
+    fn a_table_without_a_type_stands_for_its_entries() {
+        assert_eq!(after("inner={ b = 5 }").unwrap().inner, Inner { a: 1.0, b: 5.0 });
+    }
+
+    #[test]
+    fn an_optional_key_exists_although_it_is_not_set() {
+        assert_eq!(after("note=hello").unwrap().note.as_deref(), Some("hello"));
+    }
+
+    #[test]
+    fn refusals_name_the_path_and_what_exists() {
+        for (set, expected) in [
+            ("sped=1", "sped: unknown key `sped`; did you mean `speed`?"),
+            ("inner.c=1", "inner.c: unknown key `c`. Keys of `inner`: `a`, `b`"),
+            ("iner.a=1", "iner.a: unknown key `iner`; did you mean `inner`?"),
+            ("shapes.2.radius=1", "shapes.2.radius: no entry 2: `shapes` has entries 0 to 1"),
+            ("shapes.x=1", "shapes.x: no entry x: `shapes` has entries 0 to 1"),
+            ("speed.x=1", "speed.x: `speed` is one value and has no keys"),
+            ("speed=fast", "speed: must be a number"),
+            ("speed=nan", "speed: must be a finite number"),
+            ("count=-1", "count: must be a whole number, 0 or above"),
+            ("count=1.5", "count: must be a whole number, 0 or above"),
+            ("count=[]", "count: must be a whole number, 0 or above, not an array"),
+            ("inner=1", "inner: must be a table"),
+            ("shapes.0.radius=x", "shapes.0.radius: must be a number"),
+            ("shapes.1.widht=1", "shapes.1.widht: unknown key `widht`; did you mean `width`?"),
+            ("shapes.1.type=bax", "shapes.1.type: unknown type; did you mean `box`? Known: `disc`, `box`"),
+            ("shapes.1={ type = 'box', length = 1 }", "shapes.1: the key `width` is missing"),
+            (
+                "shapes=[{ type = 'disc', radius = 1 }, { type = 'disc', radius = inf }]",
+                "shapes.1.radius: must be a fin",
+            ),
+        ] {
+            let refusal = after(set).unwrap_err();
+            let text = format!("{}: {}", refusal.path, refusal.problem);
+            assert!(text.starts_with(expected), "{set}\n  gives    {text}\n  expected {expected}");
+        }
+    }
+
+    #[test]
+    fn of_two_equal_keys_the_misplaced_one_is_named() {
+        // serde's own path ends at the array: `radius` is right in the first entry and wrong in the second.
+        let set = "shapes=[{ type = 'disc', radius = 1 }, { type = 'box', length = 1, width = 1, radius = 1 }]";
+        assert_eq!(after(set).unwrap_err().path.to_string(), "shapes.1.radius");
+    }
+}

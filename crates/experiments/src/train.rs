@@ -1,0 +1,214 @@
+//! The training loop: the only place where an environment and an agent meet.
+
+use std::collections::BTreeMap;
+
+use headway_env::{Env, Event, NavEnv, Step};
+use headway_policy::{Header, Layer, Policy};
+use headway_rl::{Agent, Dqn, Loss, Mode, StepBatch};
+use headway_sim::stream_seed;
+use serde::Serialize;
+
+use crate::Error;
+use crate::spec::RunSpec;
+use crate::store::CODE_REVISION;
+
+/// A training run, from its first step to its policy.
+///
+/// Environment and agent draw from random streams of their own, all derived from the run's seed; equal specs and seeds
+/// give equal policies, byte for byte.
+///
+/// ```
+/// use headway_experiments::spec::RunSpec;
+/// use headway_experiments::train::Training;
+///
+/// let mut spec = RunSpec::default();
+/// spec.train.n_steps = 640;
+/// let mut training = Training::new(&spec, 0)?;
+/// while !training.is_over() {
+///     training.step()?;
+/// }
+/// assert_eq!(training.policy()?.header().vehicle, spec.vehicle);
+/// # Ok::<(), headway_experiments::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct Training<'a> {
+    spec: &'a RunSpec,
+    seed: u64,
+    env: NavEnv,
+    agent: Dqn,
+    n_env_steps: u64,
+    /// The observations to act on, `[n_envs, obs_dim]`.
+    obs: Vec<f32>,
+    actions: Vec<u32>,
+    step: Step,
+    interval: Interval,
+}
+
+/// What happened since the last row of metrics.
+#[derive(Debug, Default)]
+struct Interval {
+    n_env_steps: u64,
+    rewards: f64,
+    n_reached: u64,
+    n_collisions: u64,
+    n_timeouts: u64,
+    n_updates: u64,
+    loss: f64,
+    mean_q: f64,
+    grad_norm: f64,
+}
+
+/// A row of a run's training metrics: what happened since the row before. Means over nothing are empty.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct MetricsRow {
+    /// Env steps since the start, over all copies of the environment.
+    pub env_steps: u64,
+    /// Gradient steps since the start.
+    pub gradient_steps: u64,
+    /// Mean reward of a step, unscaled.
+    pub reward_mean: f64,
+    /// Goals reached, exploration included.
+    pub n_reached: u64,
+    /// Collisions, exploration included.
+    pub n_collisions: u64,
+    /// Episodes cut by the time limit.
+    pub n_timeouts: u64,
+    /// Mean loss of the gradient steps, in squared scaled rewards.
+    pub loss: Option<f64>,
+    /// Mean value of the actions learned from, in scaled rewards.
+    pub mean_q: Option<f64>,
+    /// Mean norm of the gradient before clipping.
+    pub grad_norm: Option<f64>,
+    /// Probability of a random action at the end of the interval.
+    pub epsilon: f64,
+    /// Learning rate at the end of the interval.
+    pub learning_rate: f64,
+}
+
+impl<'a> Training<'a> {
+    /// A run before its first step.
+    ///
+    /// # Errors
+    /// If the spec is not allowed.
+    pub fn new(spec: &'a RunSpec, seed: u64) -> Result<Self, Error> {
+        let n_envs = spec.train.n_envs;
+        let mut env = NavEnv::new(spec.training().build().map_err(Error::failure)?, n_envs);
+        let (obs_dim, n_actions) = (env.obs_dim(), env.n_actions());
+        let agent_seed = stream_seed(seed, "agent", 0);
+        let agent = spec.agent.build(obs_dim, n_actions, n_envs, spec.train.n_steps, agent_seed);
+        let mut obs = vec![0.0; n_envs * obs_dim];
+        env.reset(stream_seed(seed, "train", 0), &mut obs).map_err(Error::failure)?;
+        Ok(Self {
+            spec,
+            seed,
+            agent: agent.map_err(Error::failure)?,
+            n_env_steps: 0,
+            obs,
+            actions: vec![0; n_envs],
+            step: Step::new(n_envs, obs_dim),
+            interval: Interval::default(),
+            env,
+        })
+    }
+
+    /// Env steps made, over all copies of the environment.
+    #[must_use]
+    pub fn n_env_steps(&self) -> u64 {
+        self.n_env_steps
+    }
+
+    /// Whether all of the spec's env steps are made.
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        self.n_env_steps >= self.spec.train.n_steps
+    }
+
+    /// One step of every copy of the environment, and the gradient steps that are due after it.
+    ///
+    /// # Errors
+    /// If the environment or the agent fails.
+    pub fn step(&mut self) -> Result<(), Error> {
+        self.agent.act(&self.obs, Mode::Explore, &mut self.actions).map_err(Error::failure)?;
+        self.env.step(&self.actions, &mut self.step).map_err(Error::failure)?;
+        let step = &self.step;
+        let batch = StepBatch {
+            obs: &self.obs,
+            actions: &self.actions,
+            rewards: &step.rewards,
+            next_obs: &step.next_obs,
+            terminated: &step.terminated,
+            truncated: &step.truncated,
+        };
+        self.agent.observe(batch).map_err(Error::failure)?;
+        self.interval.count(step);
+        self.n_env_steps += step.rewards.len() as u64;
+        while let Some(loss) = self.agent.update().map_err(Error::failure)? {
+            self.interval.count_update(&loss);
+        }
+        std::mem::swap(&mut self.obs, &mut self.step.obs);
+        Ok(())
+    }
+
+    /// The metrics since the last call, if an interval of the spec's length, or the training, is over.
+    pub fn metrics(&mut self) -> Option<MetricsRow> {
+        if self.interval.n_env_steps < self.spec.train.log_every && !self.is_over() {
+            return None;
+        }
+        let Interval { n_env_steps, rewards, n_reached, n_collisions, n_timeouts, n_updates, loss, mean_q, grad_norm } =
+            std::mem::take(&mut self.interval);
+        let mean = |sum: f64| (n_updates > 0).then(|| sum / n_updates as f64);
+        (n_env_steps > 0).then(|| MetricsRow {
+            env_steps: self.n_env_steps,
+            gradient_steps: self.agent.n_gradient_steps(),
+            reward_mean: rewards / n_env_steps as f64,
+            n_reached,
+            n_collisions,
+            n_timeouts,
+            loss: mean(loss),
+            mean_q: mean(mean_q),
+            grad_norm: mean(grad_norm),
+            epsilon: self.agent.epsilon(),
+            learning_rate: self.agent.learning_rate(),
+        })
+    }
+
+    /// The greedy policy learned so far: the averaged weights, with all that driving by them needs.
+    ///
+    /// # Errors
+    /// If the weights are no longer finite.
+    pub fn policy(&self) -> Result<Policy, Error> {
+        let header = Header {
+            vehicle: self.spec.vehicle.clone(),
+            lidar: self.spec.lidar.clone(),
+            control: self.spec.env.control,
+            actions: self.spec.env.actions.clone(),
+            observation: self.spec.env.observation,
+            provenance: BTreeMap::from([
+                ("code_revision".to_owned(), CODE_REVISION.to_owned()),
+                ("env_steps".to_owned(), self.n_env_steps.to_string()),
+                ("seed".to_owned(), self.seed.to_string()),
+            ]),
+        };
+        let layers = self.agent.layers().map_err(Error::failure)?;
+        let layers = layers.into_iter().map(|layer| Layer { weight: layer.weight, bias: layer.bias });
+        Policy::new(header, layers.collect()).map_err(Error::failure)
+    }
+}
+
+impl Interval {
+    fn count(&mut self, step: &Step) {
+        self.n_env_steps += step.rewards.len() as u64;
+        self.rewards += step.rewards.iter().copied().map(f64::from).sum::<f64>();
+        let n_events = |event| step.events.iter().filter(|e| **e == Some(event)).count() as u64;
+        self.n_reached += n_events(Event::Reach);
+        self.n_collisions += n_events(Event::Collision);
+        self.n_timeouts += step.truncated.iter().filter(|truncated| **truncated).count() as u64;
+    }
+
+    fn count_update(&mut self, loss: &Loss) {
+        self.n_updates += 1;
+        self.loss += f64::from(loss.value);
+        self.mean_q += f64::from(loss.mean_q);
+        self.grad_norm += f64::from(loss.grad_norm);
+    }
+}

@@ -1,0 +1,380 @@
+//! What `report` prints of a results folder, to the letter.
+
+use std::path::Path;
+
+use headway_experiments::episode::{EpisodeRecord, Outcome};
+use headway_experiments::report::{Report, TABLE_WIDTH, load, of_policy};
+use headway_experiments::store::{
+    AxisLevel, Cell, EvaluationKey, GridAxis, Id, Index, IndexedEvaluation, IndexedRun, RunInfo,
+    Stopwatch, Store, TrainKey,
+};
+use serde_json::{Value, json};
+
+const WORLDS: [&str; 2] = ["room_10x15", "room_25x25"];
+
+/// Eight episodes of which as many fail as `skill` is below 8; all numbers have few digits.
+fn episodes(skill: u32, world: u32) -> Vec<EpisodeRecord> {
+    (0..8)
+        .map(|scenario| {
+            let outcome = match scenario {
+                s if s < skill => Outcome::Success,
+                7 => Outcome::Collision,
+                _ => Outcome::Timeout,
+            };
+            let success = outcome == Outcome::Success;
+            EpisodeRecord {
+                scenario: scenario.into(),
+                outcome,
+                duration: if success { 10.0 } else { 5.0 },
+                distance: if success { 8.0 + f64::from(world) } else { 2.0 },
+                geodesic: 7.5,
+                spl: if success {
+                    7.5 / (8.0 + f64::from(world))
+                } else {
+                    0.0
+                },
+                near_time: f64::from(world) + 1.0,
+                near_distance: 0.5,
+                n_decelerations: scenario,
+                n_needless_decelerations: scenario / 4,
+            }
+        })
+        .collect()
+}
+
+/// A grid of 2 x 2 cells, `n_seeds` seeds and 2 worlds, of which the cells are as good as `skill` says.
+struct Fixture {
+    folder: tempfile::TempDir,
+}
+
+impl Fixture {
+    fn new(n_seeds: u64, skill: impl Fn(usize, u64) -> u32) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path()).unwrap();
+        let names = [
+            ("R", "DQN"),
+            ("R", "DDQN"),
+            ("R_couple", "DQN"),
+            ("R_couple", "DDQN"),
+        ];
+        let cells = names.iter().enumerate().map(|(k, (reward, agent))| {
+            let seeds = 0..n_seeds;
+            let runs = seeds
+                .map(|seed| IndexedRun {
+                    seed,
+                    train_id: run(&store, k, seed, skill(k, seed)),
+                })
+                .collect();
+            let level = |axis: &str, level: &str| AxisLevel {
+                axis: axis.into(),
+                level: level.into(),
+            };
+            Cell {
+                axes: vec![level("reward", reward), level("agent", agent)],
+                runs,
+                evaluations: evaluations(),
+            }
+        });
+        let cells = cells.collect();
+        let axis = |name: &str, levels: [&str; 2]| GridAxis {
+            name: name.into(),
+            levels: levels.map(Into::into).into(),
+        };
+        let axes = vec![
+            axis("reward", ["R", "R_couple"]),
+            axis("agent", ["DQN", "DDQN"]),
+        ];
+        store
+            .write_index(&Index {
+                name: "table1".into(),
+                axes,
+                cells,
+            })
+            .unwrap();
+        Self { folder }
+    }
+
+    fn path(&self) -> &Path {
+        self.folder.path()
+    }
+
+    fn report(&self) -> Report {
+        load(self.path()).unwrap()
+    }
+
+    /// The folder of the run of a cell and seed.
+    fn run(&self, cell: usize, seed: usize) -> std::path::PathBuf {
+        let index = Index::load(self.path()).unwrap();
+        self.path()
+            .join("runs")
+            .join(index.cells[cell].runs[seed].train_id.as_str())
+    }
+}
+
+fn key(world: &&'static str) -> EvaluationKey<'static, str> {
+    EvaluationKey {
+        n_episodes: 8,
+        seed: 1,
+        time_limit: 60.0,
+        world,
+    }
+}
+
+fn evaluations() -> Vec<IndexedEvaluation> {
+    WORLDS
+        .iter()
+        .map(|world| IndexedEvaluation {
+            world: (*world).into(),
+            eval_id: key(world).id().unwrap(),
+        })
+        .collect()
+}
+
+fn run(store: &Store, cell: usize, seed: u64, skill: u32) -> Id {
+    let spec = json!({ "cell": cell });
+    let id = TrainKey {
+        spec: &spec,
+        seed,
+        reward_version: 1,
+    }
+    .id()
+    .unwrap();
+    let pending = store.run(&id).start(&spec, &RunInfo::new(seed, 1)).unwrap();
+    pending.write_policy(b"").unwrap();
+    let run = pending.finish(&Stopwatch::start().stop()).unwrap();
+    for (k, world) in (0..).zip(&WORLDS) {
+        let evaluation = run.evaluation(&key(world).id().unwrap());
+        evaluation.write(&key(world), &episodes(skill, k)).unwrap();
+    }
+    id
+}
+
+#[track_caller]
+fn assert_text(text: &str, expected: &str) {
+    let expected = &expected[1..]; // the first line may start with spaces
+    assert!(text == expected, "--- got\n{text}--- expected\n{expected}");
+    assert!(
+        text.lines().all(|line| line.chars().count() <= TABLE_WIDTH),
+        "wider than {TABLE_WIDTH} columns"
+    );
+}
+
+fn skill(cell: usize, seed: u64) -> u32 {
+    [[0, 0, 0, 0], [0, 1, 5, 2], [7, 8, 7, 8], [8, 8, 8, 8]][cell][seed as usize]
+}
+
+#[test]
+fn the_table_of_a_grid() {
+    let table = Fixture::new(4, skill).report().table();
+    assert_text(&table, "
+                                                                  mean   speed in  speed near   needless
+reward    agent  world        success  collision    timeout      speed  successes   obstacles     decel.        SPL
+                                    %          %          %        m/s        m/s         m/s        1/m
+───────────────────────────────────────────────────────────────────────────────────────────────────────────────────
+R         DQN    room_10x15         0       12.5       87.5       0.40          –        0.50       0.25       0.00
+                                  0–0  12.5–12.5  87.5–87.5  0.40–0.40              0.50–0.50  0.25–0.25  0.00–0.00
+R         DQN    room_25x25         0       12.5       87.5       0.40          –        0.25       0.25       0.00
+                                  0–0  12.5–12.5  87.5–87.5  0.40–0.40              0.25–0.25  0.25–0.25  0.00–0.00
+R         DDQN   room_10x15      25.0       12.5       62.5       0.54      0.80*        0.50       0.17       0.23
+                             6.2–50.0  12.5–12.5  37.5–81.2  0.44–0.65  0.80–0.80   0.50–0.50  0.11–0.22  0.06–0.47
+R         DDQN   room_25x25      25.0       12.5       62.5       0.57      0.90*        0.25       0.16       0.21
+                             6.2–50.0  12.5–12.5  37.5–81.2  0.45–0.72  0.90–0.90   0.25–0.25  0.10–0.22  0.05–0.42
+R_couple  DQN    room_10x15      93.8        6.2          0       0.79       0.80        0.50       0.07       0.88
+                             87.5–100     0–12.5        0–0  0.77–0.80  0.80–0.80   0.50–0.50  0.06–0.07  0.82–0.94
+R_couple  DQN    room_25x25      93.8        6.2          0       0.88       0.90        0.25       0.06       0.78
+                             87.5–100     0–12.5        0–0  0.87–0.90  0.90–0.90   0.25–0.25  0.06–0.06  0.73–0.83
+R_couple  DDQN   room_10x15       100          0          0       0.80       0.80        0.50       0.06       0.94
+                              100–100        0–0        0–0  0.80–0.80  0.80–0.80   0.50–0.50  0.06–0.06  0.94–0.94
+R_couple  DDQN   room_25x25       100          0          0       0.90       0.90        0.25       0.06       0.83
+                              100–100        0–0        0–0  0.90–0.90  0.90–0.90   0.25–0.25  0.06–0.06  0.83–0.83
+Mean over 4 training seeds, 8 episodes each; below it: 95 % percentile bootstrap over the seeds.
+mean speed: all distance / all time, failures included; near obstacles: clearance < 1 m; needless: the way was clear
+* undefined in some of the seeds; the mean is over the others
+left out for want of room (see --format json or csv): decelerations_per_m
+");
+}
+
+#[test]
+fn the_table_of_a_single_policy() {
+    let table = of_policy(&[("room_10x15", episodes(6, 0)), ("hall", episodes(8, 1))]).table();
+    assert_text(&table, "
+                                             mean   speed in  speed near  decele-  needless
+world         success  collision   timeout  speed  successes   obstacles  rations    decel.   SPL
+                    %          %         %    m/s        m/s         m/s      1/m       1/m
+─────────────────────────────────────────────────────────────────────────────────────────────────
+room_10x15       75.0       12.5      12.5   0.74       0.80        0.50     0.54      0.08  0.70
+            40.9–92.9   2.2–47.1  2.2–47.1
+hall              100          0         0   0.90       0.90        0.25     0.39      0.06  0.83
+             67.6–100     0–32.4    0–32.4
+One policy, 8 episodes a world; below the rates: 95 % Wilson intervals over the episodes.
+mean speed: all distance / all time, failures included; near obstacles: clearance < 1 m; needless: the way was clear
+");
+}
+
+#[test]
+fn fewer_than_three_seeds_have_no_intervals() {
+    let table = Fixture::new(2, skill).report().table();
+    assert_text(&table, "
+                                                           mean   speed in  speed near  decele-  needless
+reward    agent  world       success  collision  timeout  speed  successes   obstacles  rations    decel.   SPL
+                                   %          %        %    m/s        m/s         m/s      1/m       1/m
+───────────────────────────────────────────────────────────────────────────────────────────────────────────────
+R         DQN    room_10x15        0       12.5     87.5   0.40          –        0.50     1.75      0.25  0.00
+R         DQN    room_25x25        0       12.5     87.5   0.40          –        0.25     1.75      0.25  0.00
+R         DDQN   room_10x15      6.2       12.5     81.2   0.44      0.80*        0.50     1.51      0.22  0.06
+R         DDQN   room_25x25      6.2       12.5     81.2   0.46      0.90*        0.25     1.48      0.21  0.05
+R_couple  DQN    room_10x15     93.8        6.2        0   0.79       0.80        0.50     0.46      0.07  0.88
+R_couple  DQN    room_25x25     93.8        6.2        0   0.88       0.90        0.25     0.41      0.06  0.78
+R_couple  DDQN   room_10x15      100          0        0   0.80       0.80        0.50     0.44      0.06  0.94
+R_couple  DDQN   room_25x25      100          0        0   0.90       0.90        0.25     0.39      0.06  0.83
+Mean over 2 training seeds, 8 episodes each; no intervals below 3 seeds.
+mean speed: all distance / all time, failures included; near obstacles: clearance < 1 m; needless: the way was clear
+* undefined in some of the seeds; the mean is over the others
+");
+}
+
+#[test]
+fn an_unfinished_grid_shows_what_there_is() {
+    let fixture = Fixture::new(4, skill);
+    std::fs::remove_file(fixture.run(3, 1).join("done")).unwrap();
+    let evaluation = fixture
+        .run(2, 2)
+        .join("evaluations")
+        .join(key(&WORLDS[1]).id().unwrap().as_str());
+    std::fs::remove_file(evaluation.join("done")).unwrap();
+    for seed in 0..4 {
+        std::fs::remove_dir_all(fixture.run(0, seed)).unwrap();
+    }
+    assert_text(&fixture.report().table(), "
+                                                                         mean   speed in  speed near   needless
+reward    agent  world       seeds   success  collision    timeout      speed  successes   obstacles     decel.
+                                           %          %          %        m/s        m/s         m/s        1/m
+───────────────────────────────────────────────────────────────────────────────────────────────────────────────
+R         DQN    room_10x15      0         –          –          –          –          –           –          –
+
+R         DQN    room_25x25      0         –          –          –          –          –           –          –
+
+R         DDQN   room_10x15      4      25.0       12.5       62.5       0.54      0.80*        0.50       0.17
+                                    6.2–50.0  12.5–12.5  37.5–81.2  0.44–0.65  0.80–0.80   0.50–0.50  0.11–0.22
+R         DDQN   room_25x25      4      25.0       12.5       62.5       0.57      0.90*        0.25       0.16
+                                    6.2–50.0  12.5–12.5  37.5–81.2  0.45–0.72  0.90–0.90   0.25–0.25  0.10–0.22
+R_couple  DQN    room_10x15      4      93.8        6.2          0       0.79       0.80        0.50       0.07
+                                    87.5–100     0–12.5        0–0  0.77–0.80  0.80–0.80   0.50–0.50  0.06–0.07
+R_couple  DQN    room_25x25      3      95.8        4.2          0       0.89       0.90        0.25       0.06
+                                    87.5–100     0–12.5        0–0  0.87–0.90  0.90–0.90   0.25–0.25  0.06–0.06
+R_couple  DDQN   room_10x15      3       100          0          0       0.80       0.80        0.50       0.06
+                                     100–100        0–0        0–0  0.80–0.80  0.80–0.80   0.50–0.50  0.06–0.06
+R_couple  DDQN   room_25x25      3       100          0          0       0.90       0.90        0.25       0.06
+                                     100–100        0–0        0–0  0.90–0.90  0.90–0.90   0.25–0.25  0.06–0.06
+Mean over the training seeds, 8 episodes each; below it: 95 % percentile bootstrap over the seeds.
+mean speed: all distance / all time, failures included; near obstacles: clearance < 1 m; needless: the way was clear
+* undefined in some of the seeds; the mean is over the others
+left out for want of room (see --format json or csv): decelerations_per_m, spl
+unfinished: 10 of 16 runs are complete
+");
+}
+
+#[test]
+fn mixed_versions_and_revisions_are_flagged() {
+    let fixture = Fixture::new(3, skill);
+    let path = fixture.run(1, 1).join("run.json");
+    let info = RunInfo {
+        results_version: 0,
+        revision: "abc1234".into(),
+        ..RunInfo::new(1, 1)
+    };
+    std::fs::write(path, serde_json::to_string(&info).unwrap()).unwrap();
+    let notes = fixture.report().notes();
+    assert_eq!(
+        notes[0],
+        "warning: runs of several results versions: 0 (1 runs), 1 (11 runs)"
+    );
+    assert!(
+        notes[1].starts_with("warning: runs of several code revisions: "),
+        "{notes:?}"
+    );
+    assert!(notes[1].contains("abc1234 (1 runs)"), "{notes:?}");
+}
+
+#[test]
+fn json_is_a_list_with_one_object_per_cell_and_world() {
+    let text = Fixture::new(4, skill).report().json();
+    let rows: Vec<Value> = serde_json::from_str(&text).unwrap();
+    assert_eq!(rows.len(), 8);
+    let undefined = json!({ "mean": null, "low": null, "high": null, "n": 0 });
+    assert_eq!(rows[0]["axes"], json!({ "reward": "R", "agent": "DQN" }));
+    assert_eq!(
+        (&rows[0]["world"], &rows[0]["seeds"], &rows[0]["episodes"]),
+        (&json!("room_10x15"), &json!(4), &json!(32))
+    );
+    assert_eq!(
+        rows[0]["success"],
+        json!({ "mean": 0.0, "low": 0.0, "high": 0.0, "n": 4 })
+    );
+    assert_eq!(rows[0]["timeout"]["mean"], json!(0.875));
+    assert_eq!(rows[0]["speed_in_successes"], undefined);
+    assert_eq!(rows[2]["speed_in_successes"]["n"], json!(3));
+    assert!(
+        text.find("\"reward\"").unwrap() < text.find("\"agent\"").unwrap(),
+        "axes keep the order of the grid"
+    );
+}
+
+#[test]
+fn csv_has_a_row_per_cell_and_world() {
+    let text = Fixture::new(4, skill).report().csv();
+    let lines: Vec<_> = text.lines().collect();
+    assert_eq!(lines.len(), 1 + 8);
+    assert!(lines[0].starts_with(
+        "reward,agent,world,seeds,episodes,success,success_low,success_high,collision,"
+    ));
+    assert!(lines[0].ends_with(",spl,spl_low,spl_high"));
+    assert!(lines[1].starts_with("R,DQN,room_10x15,4,32,0,0,0,0.125,0.125,0.125,0.875,"));
+}
+
+/// The three formats show the same numbers.
+#[test]
+fn the_formats_agree() {
+    let report = Fixture::new(4, skill).report();
+    let rows: Vec<Value> = serde_json::from_str(&report.json()).unwrap();
+    let (csv, table) = (report.csv(), report.table());
+    let mut records = csv::Reader::from_reader(csv.as_bytes());
+    let header = records.headers().unwrap().clone();
+    let column = |name: &str| header.iter().position(|h| h == name).unwrap();
+    let means = table.lines().skip(4).step_by(2);
+    for ((row, record), line) in rows.iter().zip(records.records()).zip(means) {
+        let record = record.unwrap();
+        let success = row["success"]["mean"].as_f64().unwrap();
+        assert_eq!(record[column("success")].parse::<f64>().unwrap(), success);
+        assert_eq!(
+            record[column("spl_high")].parse::<f64>().ok(),
+            row["spl"]["high"].as_f64()
+        );
+        let cells: Vec<_> = line.split_whitespace().collect();
+        assert_eq!(
+            cells[..3],
+            [&row["axes"]["reward"], &row["axes"]["agent"], &row["world"]]
+                .map(|v| v.as_str().unwrap())
+        );
+        assert!(
+            (cells[3].parse::<f64>().unwrap() - 100.0 * success).abs() <= 0.05,
+            "{line}"
+        );
+        assert!(
+            (cells[6].parse::<f64>().unwrap() - row["mean_speed"]["mean"].as_f64().unwrap()).abs()
+                <= 0.005,
+            "{line}"
+        );
+    }
+}
+
+#[test]
+fn a_folder_without_results_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let message = load(folder.path()).unwrap_err().to_string();
+    assert!(
+        message.contains("holds no results")
+            && message.contains(&folder.path().display().to_string()),
+        "{message}"
+    );
+}
