@@ -15,13 +15,7 @@ fn env_step(c: &mut Criterion) {
     let mut group = c.benchmark_group("env_step");
     group.throughput(Throughput::Elements(1));
     for n_beams in [36, 360] {
-        let spec = NavSpec {
-            lidar: LidarSpec {
-                n_beams,
-                ..LidarSpec::default()
-            },
-            ..NavSpec::default()
-        };
+        let spec = NavSpec { lidar: LidarSpec { n_beams, ..LidarSpec::default() }, ..NavSpec::default() };
         let mut env = NavEnv::new(spec.build().expect("valid"), N_ENVS);
         let mut step = Step::new(N_ENVS, env.obs_dim());
         env.reset(0, &mut step.obs).expect("the default has room");
@@ -32,14 +26,10 @@ fn env_step(c: &mut Criterion) {
                 let n_batches = n_steps.div_ceil(N_ENVS as u64);
                 let start = std::time::Instant::now();
                 for _ in 0..n_batches {
-                    let actions: [u32; N_ENVS] =
-                        std::array::from_fn(|_| rng.random_range(0..n_actions));
-                    env.step(black_box(&actions), &mut step)
-                        .expect("actions exist");
+                    let actions: [u32; N_ENVS] = std::array::from_fn(|_| rng.random_range(0..n_actions));
+                    env.step(black_box(&actions), &mut step).expect("actions exist");
                 }
-                start
-                    .elapsed()
-                    .mul_f64(n_steps as f64 / (n_batches * N_ENVS as u64) as f64)
+                start.elapsed().mul_f64(n_steps as f64 / (n_batches * N_ENVS as u64) as f64)
             });
         });
     }

@@ -27,10 +27,7 @@ pub enum ActionSpec {
 impl Default for ActionSpec {
     /// Twelve set-points: 0, 0.5, 1 and 1.5 m/s, turning right, not, and left at 1.5 rad/s.
     fn default() -> Self {
-        Self::SetPoints {
-            speeds: vec![0.0, 0.5, 1.0, 1.5],
-            yaw_rates: vec![-1.5, 0.0, 1.5],
-        }
+        Self::SetPoints { speeds: vec![0.0, 0.5, 1.0, 1.5], yaw_rates: vec![-1.5, 0.0, 1.5] }
     }
 }
 
@@ -46,35 +43,16 @@ impl ActionSpec {
     /// # Errors
     /// Names the field, its value and what is allowed: speeds and yaw rates within the vehicle's limits, a
     /// mirror image of every yaw rate if observations are mirrored, `[0.0]` if the agent does not steer.
-    pub fn build(
-        &self,
-        vehicle: &VehicleSpec,
-        control: &Control,
-        is_mirrored: bool,
-    ) -> Result<ActionSet, FieldError> {
+    pub fn build(&self, vehicle: &VehicleSpec, control: &Control, is_mirrored: bool) -> Result<ActionSet, FieldError> {
         let yaw_rates = self.yaw_rates();
-        check_list(
-            "yaw_rates",
-            yaw_rates,
-            -vehicle.max_yaw_rate,
-            vehicle.max_yaw_rate,
-        )?;
+        check_list("yaw_rates", yaw_rates, -vehicle.max_yaw_rate, vehicle.max_yaw_rate)?;
         if matches!(control, Control::SpeedOnly(_)) && yaw_rates != [0.0] {
             let allowed = "[0.0] under speed_only control, where pure pursuit steers";
-            return Err(FieldError::new(
-                "yaw_rates",
-                format!("{yaw_rates:?}"),
-                allowed,
-            ));
+            return Err(FieldError::new("yaw_rates", format!("{yaw_rates:?}"), allowed));
         }
         let speeds = match self {
             Self::SetPoints { speeds, .. } => {
-                check_list(
-                    "speeds",
-                    speeds,
-                    0.0 - vehicle.max_reverse_speed,
-                    vehicle.max_speed,
-                )?;
+                check_list("speeds", speeds, 0.0 - vehicle.max_reverse_speed, vehicle.max_speed)?;
                 speeds.iter().map(|speed| SpeedRule::To(*speed)).collect()
             }
             Self::Accelerate { .. } => {
@@ -82,18 +60,9 @@ impl ActionSpec {
                 [-change, 0.0, change].map(SpeedRule::By).to_vec()
             }
         };
-        let mirror = if is_mirrored {
-            mirror_images(yaw_rates)?
-        } else {
-            (0..yaw_rates.len()).collect()
-        };
+        let mirror = if is_mirrored { mirror_images(yaw_rates)? } else { (0..yaw_rates.len()).collect() };
         let range = (0.0 - vehicle.max_reverse_speed, vehicle.max_speed);
-        Ok(ActionSet {
-            speeds,
-            yaw_rates: yaw_rates.to_vec(),
-            mirror,
-            range,
-        })
+        Ok(ActionSet { speeds, yaw_rates: yaw_rates.to_vec(), mirror, range })
     }
 }
 
@@ -112,14 +81,10 @@ fn check_list(field: &str, values: &[f64], low: f64, high: f64) -> Result<(), Fi
 /// Where the negative of each number stands in the list.
 fn mirror_images(yaw_rates: &[f64]) -> Result<Vec<usize>, FieldError> {
     let image = |rate: &f64| yaw_rates.iter().position(|other| *other == -rate);
-    yaw_rates
-        .iter()
-        .map(image)
-        .collect::<Option<_>>()
-        .ok_or_else(|| {
-            let allowed = "symmetric, w and -w alike, because observation.mirror is on";
-            FieldError::new("yaw_rates", format!("{yaw_rates:?}"), allowed)
-        })
+    yaw_rates.iter().map(image).collect::<Option<_>>().ok_or_else(|| {
+        let allowed = "symmetric, w and -w alike, because observation.mirror is on";
+        FieldError::new("yaw_rates", format!("{yaw_rates:?}"), allowed)
+    })
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -161,19 +126,12 @@ impl ActionSet {
     pub fn command(&self, action: u32, speed: f64, side: Side) -> Command {
         let n_turns = self.yaw_rates.len();
         let (row, turn) = (action as usize / n_turns, action as usize % n_turns);
-        let turn = if side == Side::Mirrored {
-            self.mirror[turn]
-        } else {
-            turn
-        };
+        let turn = if side == Side::Mirrored { self.mirror[turn] } else { turn };
         let speed = match self.speeds[row] {
             SpeedRule::To(target) => target,
             SpeedRule::By(change) => (speed + change).clamp(self.range.0, self.range.1),
         };
-        Command {
-            speed,
-            yaw_rate: self.yaw_rates[turn],
-        }
+        Command { speed, yaw_rate: self.yaw_rates[turn] }
     }
 }
 
@@ -182,8 +140,7 @@ mod tests {
     use super::*;
 
     fn build(spec: &ActionSpec) -> ActionSet {
-        spec.build(&VehicleSpec::default(), &Control::Full {}, true)
-            .unwrap()
+        spec.build(&VehicleSpec::default(), &Control::Full {}, true).unwrap()
     }
 
     #[test]
@@ -191,34 +148,14 @@ mod tests {
         let actions = build(&ActionSpec::default());
         assert_eq!(actions.len(), 12);
         let command = |action, side| actions.command(action, 0.0, side);
-        assert_eq!(
-            command(5, Side::AsSeen),
-            Command {
-                speed: 0.5,
-                yaw_rate: 1.5
-            }
-        );
-        assert_eq!(
-            command(5, Side::Mirrored),
-            Command {
-                speed: 0.5,
-                yaw_rate: -1.5
-            }
-        );
-        assert_eq!(
-            command(10, Side::Mirrored),
-            Command {
-                speed: 1.5,
-                yaw_rate: 0.0
-            }
-        );
+        assert_eq!(command(5, Side::AsSeen), Command { speed: 0.5, yaw_rate: 1.5 });
+        assert_eq!(command(5, Side::Mirrored), Command { speed: 0.5, yaw_rate: -1.5 });
+        assert_eq!(command(10, Side::Mirrored), Command { speed: 1.5, yaw_rate: 0.0 });
     }
 
     #[test]
     fn brake_keep_and_accelerate_change_the_speed_within_limits() {
-        let actions = build(&ActionSpec::Accelerate {
-            yaw_rates: vec![-1.0, 0.0, 1.0],
-        });
+        let actions = build(&ActionSpec::Accelerate { yaw_rates: vec![-1.0, 0.0, 1.0] });
         let speed = |action, from| actions.command(action, from, Side::AsSeen).speed;
         assert!((speed(0, 1.0) - 0.6).abs() < 1e-12); // 2 m/s^2 for 0.2 s
         assert_eq!(speed(4, 1.0), 1.0);
@@ -228,11 +165,8 @@ mod tests {
 
     #[test]
     fn refusals_name_the_field() {
-        let refused = |spec: &ActionSpec, control| {
-            spec.build(&VehicleSpec::default(), &control, true)
-                .unwrap_err()
-                .to_string()
-        };
+        let refused =
+            |spec: &ActionSpec, control| spec.build(&VehicleSpec::default(), &control, true).unwrap_err().to_string();
         let set = |speeds: &[f64], yaw_rates: &[f64]| ActionSpec::SetPoints {
             speeds: speeds.to_vec(),
             yaw_rates: yaw_rates.to_vec(),
@@ -245,13 +179,8 @@ mod tests {
             refused(&set(&[1.0], &[0.0, 1.0]), Control::Full {}),
             "yaw_rates = [0.0, 1.0]: must be symmetric, w and -w alike, because observation.mirror is on"
         );
-        assert_eq!(
-            refused(&set(&[], &[0.0]), Control::Full {}),
-            "speeds = []: must be one number or more"
-        );
+        assert_eq!(refused(&set(&[], &[0.0]), Control::Full {}), "speeds = []: must be one number or more");
         let speed_only = Control::SpeedOnly(Default::default());
-        assert!(
-            refused(&set(&[1.0], &[-1.0, 1.0]), speed_only).contains("under speed_only control")
-        );
+        assert!(refused(&set(&[1.0], &[-1.0, 1.0]), speed_only).contains("under speed_only control"));
     }
 }

@@ -18,10 +18,7 @@ pub struct ObservationSpec {
 
 impl Default for ObservationSpec {
     fn default() -> Self {
-        Self {
-            encoding: ScanEncoding::Clearance,
-            mirror: true,
-        }
+        Self { encoding: ScanEncoding::Clearance, mirror: true }
     }
 }
 
@@ -83,29 +80,16 @@ impl Encoder {
 
     /// The encoding of a lidar's scans on a vehicle.
     #[must_use]
-    pub fn new(
-        spec: ObservationSpec,
-        lidar: &Lidar,
-        vehicle: &VehicleSpec,
-        footprint: &Footprint,
-    ) -> Self {
+    pub fn new(spec: ObservationSpec, lidar: &Lidar, vehicle: &VehicleSpec, footprint: &Footprint) -> Self {
         let n = lidar.beam_angles().len();
         // A full turn starts behind the vehicle, where a beam is its own opposite.
         let opposite = |k: usize| {
-            if lidar.is_full_turn() {
-                (n - k) % n
-            } else {
-                n - 1 - k
-            }
+            if lidar.is_full_turn() { (n - k) % n } else { n - 1 - k }
         };
         Self {
             spec,
             max_range: lidar.spec().max_range as f32,
-            extents: lidar
-                .beam_angles()
-                .iter()
-                .map(|angle| footprint.extent(*angle) as f32)
-                .collect(),
+            extents: lidar.beam_angles().iter().map(|angle| footprint.extent(*angle) as f32).collect(),
             opposite: (0..n).map(opposite).collect(),
             max_speed: vehicle.max_speed.max(vehicle.max_reverse_speed),
             max_yaw_rate: vehicle.max_yaw_rate,
@@ -126,17 +110,10 @@ impl Encoder {
         let n_beams = self.extents.len();
         assert_eq!(sensed.scan.len(), n_beams, "one range per beam");
         let (distance, bearing) = sensed.goal_polar();
-        let side = if self.spec.mirror && bearing < 0.0 {
-            Side::Mirrored
-        } else {
-            Side::AsSeen
-        };
+        let side = if self.spec.mirror && bearing < 0.0 { Side::Mirrored } else { Side::AsSeen };
         let (scan, others) = obs.split_at_mut(n_beams);
         match side {
-            Side::AsSeen => scan
-                .iter_mut()
-                .enumerate()
-                .for_each(|(k, out)| *out = self.range(sensed.scan, k)),
+            Side::AsSeen => scan.iter_mut().enumerate().for_each(|(k, out)| *out = self.range(sensed.scan, k)),
             Side::Mirrored => {
                 let beams = scan.iter_mut().zip(&self.opposite);
                 beams.for_each(|(out, k)| *out = self.range(sensed.scan, *k));
@@ -175,20 +152,11 @@ mod tests {
     use headway_sim::{Point, Pose, Twist};
 
     fn encoder(encoding: ScanEncoding, mirror: bool, field_of_view: f64) -> (Encoder, Lidar) {
-        let lidar = LidarSpec {
-            n_beams: 4,
-            field_of_view,
-            ..LidarSpec::default()
-        }
-        .build()
-        .unwrap();
+        let lidar = LidarSpec { n_beams: 4, field_of_view, ..LidarSpec::default() }.build().unwrap();
         let vehicle = VehicleSpec::default();
         let spec = ObservationSpec { encoding, mirror };
         let built = vehicle.build().unwrap();
-        (
-            Encoder::new(spec, &lidar, &vehicle, built.footprint()),
-            lidar,
-        )
+        (Encoder::new(spec, &lidar, &vehicle, built.footprint()), lidar)
     }
 
     fn encode(encoder: &(Encoder, Lidar), goal: Point) -> (Vec<f32>, Side) {
@@ -220,10 +188,7 @@ mod tests {
         let full = std::f64::consts::TAU;
         let scans = [
             (ScanEncoding::Linear, [0.1, 0.2, 0.4, 0.8]),
-            (
-                ScanEncoding::Root,
-                [0.1, 0.2, 0.4, 0.8].map(|x: f32| 1.0 - x.sqrt()),
-            ),
+            (ScanEncoding::Root, [0.1, 0.2, 0.4, 0.8].map(|x: f32| 1.0 - x.sqrt())),
             (ScanEncoding::Clearance, [0.5, 0.25, 0.125, 0.0625]),
         ];
         for (encoding, scan) in scans {
@@ -238,15 +203,9 @@ mod tests {
         let goal = Point::new(5.0, 4.0); // 3 m ahead, 4 m to the right
         let others = [5.0 / 8.0, 0.6, 0.8, 1.0, 0.5, 0.2];
         // Beams behind, right, ahead, left: behind and ahead stay, right and left change places.
-        let (obs, side) = encode(
-            &encoder(ScanEncoding::Linear, true, std::f64::consts::TAU),
-            goal,
-        );
+        let (obs, side) = encode(&encoder(ScanEncoding::Linear, true, std::f64::consts::TAU), goal);
         assert_eq!(side, Side::Mirrored);
-        assert_close(
-            &obs,
-            &[[0.1, 0.8, 0.4, 0.2].as_slice(), others.as_slice()].concat(),
-        );
+        assert_close(&obs, &[[0.1, 0.8, 0.4, 0.2].as_slice(), others.as_slice()].concat());
         let (obs, _) = encode(&encoder(ScanEncoding::Linear, true, 3.0), goal);
         assert_close(&obs[..4], &[0.8, 0.4, 0.2, 0.1]);
         let (obs, side) = encode(&encoder(ScanEncoding::Linear, false, 3.0), goal);

@@ -64,13 +64,5 @@ impl From<SimError> for EnvError {
 
 /// Refuses a slice of the wrong length.
 pub(crate) fn check_len(what: &'static str, found: usize, expected: usize) -> Result<(), EnvError> {
-    if found == expected {
-        Ok(())
-    } else {
-        Err(EnvError::Shape {
-            what,
-            found,
-            expected,
-        })
-    }
+    if found == expected { Ok(()) } else { Err(EnvError::Shape { what, found, expected }) }
 }

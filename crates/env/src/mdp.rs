@@ -52,17 +52,12 @@ impl NavSpec {
         self.reward.validate()?;
         Ok(Arc::new(Mdp {
             encoder: Encoder::new(env.observation, &lidar, &self.vehicle, vehicle.footprint()),
-            obstacle_angle: env
-                .obstacle_angle
-                .build()
-                .map_err(|e| e.under("env.obstacle_angle"))?,
+            obstacle_angle: env.obstacle_angle.build().map_err(|e| e.under("env.obstacle_angle"))?,
             actions: actions.map_err(|e| e.under("env.actions"))?,
             reward: Arc::clone(&self.reward),
             goal: env.goal,
             reach_radius: env.reach_radius,
-            n_max_steps: (env.time_limit / self.vehicle.control_period)
-                .round()
-                .max(1.0) as u32,
+            n_max_steps: (env.time_limit / self.vehicle.control_period).round().max(1.0) as u32,
             limits: Limits {
                 max_speed: self.vehicle.max_speed,
                 max_yaw_rate: self.vehicle.max_yaw_rate,
@@ -136,12 +131,6 @@ impl Mdp {
     }
 }
 
-fn shortest_route(
-    world: &World,
-    from: &Point,
-    to: &Point,
-    clearance: f64,
-    cell: f64,
-) -> Option<Route> {
+fn shortest_route(world: &World, from: &Point, to: &Point, clearance: f64, cell: f64) -> Option<Route> {
     plan(&GridMap::from_world(world, cell, clearance), from, to)
 }

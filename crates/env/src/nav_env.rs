@@ -38,13 +38,7 @@ impl NavEnv {
     /// `n_envs` copies of an MDP, to be reset before the first step.
     #[must_use]
     pub fn new(mdp: Arc<Mdp>, n_envs: usize) -> Self {
-        Self {
-            mdp,
-            n_envs,
-            seed: 0,
-            navigators: Vec::new(),
-            scenarios: Vec::new(),
-        }
+        Self { mdp, n_envs, seed: 0, navigators: Vec::new(), scenarios: Vec::new() }
     }
 
     /// The MDP.
@@ -96,8 +90,7 @@ impl NavEnv {
             navigator.observe(&mut out.next_obs[row.clone()]);
             if end.terminated || end.truncated {
                 self.scenarios[index] += self.n_envs as u64;
-                *navigator =
-                    Navigator::new(Arc::clone(&self.mdp), self.seed, self.scenarios[index])?;
+                *navigator = Navigator::new(Arc::clone(&self.mdp), self.seed, self.scenarios[index])?;
                 navigator.observe(&mut out.obs[row]);
             } else {
                 out.obs[row.clone()].copy_from_slice(&out.next_obs[row]);
@@ -127,25 +120,15 @@ impl Env for NavEnv {
         let make = |index: &u64| Navigator::new(Arc::clone(&self.mdp), seed, *index);
         self.navigators = self.scenarios.iter().map(make).collect::<Result<_, _>>()?;
         let rows = obs.chunks_exact_mut(self.mdp.obs_dim());
-        self.navigators
-            .iter_mut()
-            .zip(rows)
-            .for_each(|(navigator, row)| navigator.observe(row));
+        self.navigators.iter_mut().zip(rows).for_each(|(navigator, row)| navigator.observe(row));
         Ok(())
     }
 
     fn step(&mut self, actions: &[u32], out: &mut Step) -> Result<(), EnvError> {
         check_len("actions", actions.len(), self.n_envs)?;
         let n_actions = self.n_actions();
-        if let Some(index) = actions
-            .iter()
-            .position(|action| *action as usize >= n_actions)
-        {
-            return Err(EnvError::NoSuchAction {
-                action: actions[index],
-                index,
-                n_actions,
-            });
+        if let Some(index) = actions.iter().position(|action| *action as usize >= n_actions) {
+            return Err(EnvError::NoSuchAction { action: actions[index], index, n_actions });
         }
         self.step_all(out, |navigator, index| navigator.act(actions[index]))
     }
@@ -154,11 +137,7 @@ impl Env for NavEnv {
         let saved = SavedState {
             seed: self.seed,
             scenarios: self.scenarios.clone(),
-            navigators: self
-                .navigators
-                .iter()
-                .map(|navigator| navigator.state.clone())
-                .collect(),
+            navigators: self.navigators.iter().map(|navigator| navigator.state.clone()).collect(),
         };
         Ok(rmp_serde::encode::write(&mut to, &saved)?)
     }
@@ -167,18 +146,10 @@ impl Env for NavEnv {
         let saved: SavedState = rmp_serde::decode::from_read(from)?;
         let (found, expected) = (saved.navigators.len(), self.n_envs);
         if found != expected || saved.scenarios.len() != expected {
-            return Err(EnvError::StateMismatch {
-                what: "environments",
-                found,
-                expected,
-            });
+            return Err(EnvError::StateMismatch { what: "environments", found, expected });
         }
         let restore = |state| Navigator::with_state(Arc::clone(&self.mdp), state);
-        let navigators = saved
-            .navigators
-            .into_iter()
-            .map(restore)
-            .collect::<Result<_, _>>()?;
+        let navigators = saved.navigators.into_iter().map(restore).collect::<Result<_, _>>()?;
         (self.seed, self.scenarios, self.navigators) = (saved.seed, saved.scenarios, navigators);
         Ok(())
     }

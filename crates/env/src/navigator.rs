@@ -81,11 +81,7 @@ impl Navigator {
         let facts = Facts::new(mdp.lidar.beam_angles().len());
         let state = NavigatorState {
             goal: scenario.goal,
-            route: mdp.plan_route(
-                &scenario.world,
-                &scenario.start.translation.vector.into(),
-                &scenario.goal,
-            ),
+            route: mdp.plan_route(&scenario.world, &scenario.start.translation.vector.into(), &scenario.goal),
             scenario,
             vehicle,
             before: facts.clone(),
@@ -101,11 +97,7 @@ impl Navigator {
         };
         let mut navigator = Self { mdp, state };
         let footprint = navigator.mdp.vehicle.footprint();
-        let proximity = navigator
-            .state
-            .scenario
-            .world
-            .proximity(footprint, &vehicle.pose);
+        let proximity = navigator.state.scenario.world.proximity(footprint, &vehicle.pose);
         navigator.look(&proximity);
         navigator
     }
@@ -121,9 +113,7 @@ impl Navigator {
         let speed = self.state.vehicle.twist.x;
         let mut command = self.mdp.actions.command(action, speed, self.state.side);
         if let (Some(spec), Some(route)) = (self.mdp.route, &self.state.route) {
-            command.yaw_rate =
-                spec.pursuit
-                    .yaw_rate(route, &self.state.vehicle.pose, command.speed);
+            command.yaw_rate = spec.pursuit.yaw_rate(route, &self.state.vehicle.pose, command.speed);
         }
         self.drive(command)
     }
@@ -138,10 +128,7 @@ impl Navigator {
         let state = &mut self.state;
         std::mem::swap(&mut state.before, &mut state.after);
         (state.before.goal_distance, state.before.goal_bearing) = (goal_distance, goal_bearing);
-        let motion = self
-            .mdp
-            .vehicle
-            .step(&state.scenario.world, &mut state.vehicle, command);
+        let motion = self.mdp.vehicle.step(&state.scenario.world, &mut state.vehicle, command);
         state.command = command;
         state.distance = motion.distance;
         state.duration = motion.duration;
@@ -159,20 +146,14 @@ impl Navigator {
 
     /// Decides how the step ends, and hands out a new goal if one is due.
     fn end_step(&mut self, reward: f64) -> Result<StepEnd, EnvError> {
-        let drives_on =
-            self.mdp.goal == GoalHandling::NewGoal && self.state.event == Some(Event::Reach);
+        let drives_on = self.mdp.goal == GoalHandling::NewGoal && self.state.event == Some(Event::Reach);
         let terminated = self.state.event.is_some() && !drives_on;
         if drives_on {
             let here = self.state.vehicle.pose.translation.vector.into();
             let footprint = self.mdp.vehicle.footprint();
-            let goal = self
-                .state
-                .scenario
-                .new_goal(&here, footprint, &mut self.state.goals)?;
+            let goal = self.state.scenario.new_goal(&here, footprint, &mut self.state.goals)?;
             self.state.goal = goal;
-            self.state.route = self
-                .mdp
-                .plan_route(&self.state.scenario.world, &here, &goal);
+            self.state.route = self.mdp.plan_route(&self.state.scenario.world, &here, &goal);
             self.state.n_steps = 0;
         }
         let truncated = !terminated && self.state.n_steps >= self.mdp.n_max_steps;
@@ -184,17 +165,13 @@ impl Navigator {
         let (mdp, state) = (&self.mdp, &mut self.state);
         let VehicleState { pose, twist } = state.vehicle;
         let world = &state.scenario.world;
-        mdp.lidar
-            .scan(world, &pose, &mut state.noise, &mut state.after.scan);
+        mdp.lidar.scan(world, &pose, &mut state.noise, &mut state.after.scan);
         state.after.speed = twist.x;
         state.after.yaw_rate = twist.z;
         state.after.clearance = proximity.clearance();
         state.after.obstacle_angle = mdp.obstacle_angle.measure(world, &pose, &twist, proximity);
         let (goal_distance, goal_bearing) = self.sensed().goal_polar();
-        (
-            self.state.after.goal_distance,
-            self.state.after.goal_bearing,
-        ) = (goal_distance, goal_bearing);
+        (self.state.after.goal_distance, self.state.after.goal_bearing) = (goal_distance, goal_bearing);
     }
 
     /// Encodes the present observation, shape `[obs_dim]`. The next action is taken to refer to it.
@@ -254,11 +231,7 @@ impl Navigator {
         let expected = mdp.lidar.beam_angles().len();
         for found in [state.before.scan.len(), state.after.scan.len()] {
             if found != expected {
-                return Err(EnvError::StateMismatch {
-                    what: "beams a scan",
-                    found,
-                    expected,
-                });
+                return Err(EnvError::StateMismatch { what: "beams a scan", found, expected });
             }
         }
         Ok(Self { mdp, state })

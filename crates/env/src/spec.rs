@@ -111,11 +111,7 @@ pub struct RouteSpec {
 
 impl Default for RouteSpec {
     fn default() -> Self {
-        Self {
-            cell: 0.1,
-            margin: 0.15,
-            pursuit: PurePursuit::default(),
-        }
+        Self { cell: 0.1, margin: 0.15, pursuit: PurePursuit::default() }
     }
 }
 

@@ -16,16 +16,8 @@ fn spec(goal: GoalHandling) -> NavSpec {
         .with(5.0, Heading::default())
         .with(-5.0, Proximity::default());
     NavSpec {
-        lidar: LidarSpec {
-            noise: 0.02,
-            dropout: 0.02,
-            ..LidarSpec::default()
-        },
-        env: EnvSpec {
-            goal,
-            time_limit: 8.0,
-            ..EnvSpec::default()
-        },
+        lidar: LidarSpec { noise: 0.02, dropout: 0.02, ..LidarSpec::default() },
+        env: EnvSpec { goal, time_limit: 8.0, ..EnvSpec::default() },
         reward: Arc::new(reward),
         ..NavSpec::default()
     }
@@ -125,44 +117,18 @@ proptest! {
 fn scene(posts: &[(f64, f64, f64)], goal: (f64, f64), at: &Pose, left: f64) -> Navigator {
     let place = |(x, y, radius): &(f64, f64, f64)| {
         let point = at * Point::new(*x, left * y);
-        Obstacle {
-            shape: Shape::Disc { radius: *radius },
-            x: point.x,
-            y: point.y,
-            yaw: 0.0,
-        }
+        Obstacle { shape: Shape::Disc { radius: *radius }, x: point.x, y: point.y, yaw: 0.0 }
     };
-    let world = World::new(
-        Room {
-            width: 200.0,
-            height: 200.0,
-        },
-        posts.iter().map(place).collect(),
-    )
-    .unwrap();
-    let goal_rule = GoalRule {
-        distance: 4.0,
-        clearance: 0.2,
-    };
-    let scenario = Scenario {
-        world,
-        start: *at,
-        goal: at * Point::new(goal.0, left * goal.1),
-        goal_rule,
-    };
-    let quiet = NavSpec {
-        lidar: LidarSpec::default(),
-        ..spec(GoalHandling::Terminate)
-    };
+    let world = World::new(Room { width: 200.0, height: 200.0 }, posts.iter().map(place).collect()).unwrap();
+    let goal_rule = GoalRule { distance: 4.0, clearance: 0.2 };
+    let scenario = Scenario { world, start: *at, goal: at * Point::new(goal.0, left * goal.1), goal_rule };
+    let quiet = NavSpec { lidar: LidarSpec::default(), ..spec(GoalHandling::Terminate) };
     Navigator::in_scenario(quiet.build().unwrap(), scenario, 0, 0)
 }
 
 #[test]
 fn scenarios_do_not_depend_on_the_size_of_the_batch() {
-    let (one, two) = (
-        env(GoalHandling::Terminate, 1, 5).0,
-        env(GoalHandling::Terminate, 4, 5).0,
-    );
+    let (one, two) = (env(GoalHandling::Terminate, 1, 5).0, env(GoalHandling::Terminate, 4, 5).0);
     let start = |env: &NavEnv, i: usize| env.navigators()[i].scenario().start;
     assert_eq!(start(&one, 0), start(&two, 0));
     let third = Navigator::new(Arc::clone(two.mdp()), 5, 2).unwrap();
@@ -172,13 +138,7 @@ fn scenarios_do_not_depend_on_the_size_of_the_batch() {
 #[test]
 fn commands_and_the_actions_that_mean_them_do_the_same() {
     let unmirrored = NavSpec {
-        env: EnvSpec {
-            observation: ObservationSpec {
-                mirror: false,
-                ..Default::default()
-            },
-            ..Default::default()
-        },
+        env: EnvSpec { observation: ObservationSpec { mirror: false, ..Default::default() }, ..Default::default() },
         ..NavSpec::default()
     };
     let [mut a, mut b] = [0, 1].map(|_| NavEnv::new(unmirrored.build().unwrap(), 2));
@@ -196,20 +156,14 @@ fn commands_and_the_actions_that_mean_them_do_the_same() {
 fn misuse_is_an_error() {
     let (mut env, mut step) = env(GoalHandling::Terminate, 2, 0);
     let message = env.step(&[0, 12], &mut step).unwrap_err().to_string();
-    assert_eq!(
-        message,
-        "action 12 in environment 1: there are 12 actions, 0 to 11"
-    );
+    assert_eq!(message, "action 12 in environment 1: there are 12 actions, 0 to 11");
     let message = env.step(&[0], &mut step).unwrap_err().to_string();
     assert_eq!(message, "actions holds 1 entries: must be 2");
     let mut bytes = Vec::new();
     env.save(&mut bytes).unwrap();
     let mut larger = NavEnv::new(Arc::clone(env.mdp()), 3);
     let message = larger.load(&mut bytes.as_slice()).unwrap_err().to_string();
-    assert_eq!(
-        message,
-        "the saved state holds 2 environments, this environment 3"
-    );
+    assert_eq!(message, "the saved state holds 2 environments, this environment 3");
     assert!(larger.load(&mut &bytes[..bytes.len() / 2]).is_err());
     assert!(larger.step(&[0; 3], &mut Step::new(3, 42)).is_err()); // not reset yet
 }

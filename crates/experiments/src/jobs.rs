@@ -68,11 +68,7 @@ pub fn run<I: Sync, T: Send, E: Send>(
     display: Display,
     work: impl Fn(&I, &Progress<'_>) -> Result<T, E> + Sync,
 ) -> Result<Vec<T>, E> {
-    let queue = Queue {
-        jobs,
-        next: AtomicUsize::new(0),
-        n_steps: AtomicU64::new(0),
-    };
+    let queue = Queue { jobs, next: AtomicUsize::new(0), n_steps: AtomicU64::new(0) };
     let results: Mutex<Vec<Option<Result<T, E>>>> = Mutex::new(jobs.iter().map(|_| None).collect());
     let (finished, events) = mpsc::channel();
     thread::scope(|scope| {
@@ -89,22 +85,10 @@ pub fn run<I: Sync, T: Send, E: Send>(
         }
         drop(finished);
         let n_steps = jobs.iter().map(|job| job.n_steps).sum();
-        display.follow(
-            Work {
-                n_jobs: jobs.len(),
-                n_steps,
-            },
-            &events,
-            &queue.n_steps,
-        );
+        display.follow(Work { n_jobs: jobs.len(), n_steps }, &events, &queue.n_steps);
     });
     // A job that was never handed out comes after one that failed, at which collecting stops.
-    results
-        .into_inner()
-        .unwrap_or_else(PoisonError::into_inner)
-        .into_iter()
-        .flatten()
-        .collect()
+    results.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().flatten().collect()
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
@@ -120,18 +104,11 @@ struct Queue<'a, I> {
 
 impl<I> Queue<'_, I> {
     /// Takes the next job, if there is one, and does it. A job that fails, or panics, empties the queue.
-    fn run_next<T, E>(
-        &self,
-        work: &impl Fn(&I, &Progress<'_>) -> Result<T, E>,
-    ) -> Option<(usize, Result<T, E>)> {
+    fn run_next<T, E>(&self, work: &impl Fn(&I, &Progress<'_>) -> Result<T, E>) -> Option<(usize, Result<T, E>)> {
         let i = self.next.fetch_add(1, Ordering::Relaxed);
         let job = self.jobs.get(i)?;
         let empty_on_panic = EmptyOnDrop(self);
-        let progress = Progress {
-            total: &self.n_steps,
-            n_steps: job.n_steps,
-            reported: AtomicU64::new(0),
-        };
+        let progress = Progress { total: &self.n_steps, n_steps: job.n_steps, reported: AtomicU64::new(0) };
         let result = work(&job.input, &progress);
         progress.advance(job.n_steps); // a job that does not report counts when it ends
         if result.is_ok() {
@@ -170,21 +147,13 @@ mod tests {
                 thread::sleep(Duration::from_millis((20 - *i as u64) % 3)); // later jobs end earlier
                 Ok::<_, ()>(i * 10)
             });
-            assert_eq!(
-                results.unwrap(),
-                (0..20).map(|i| i * 10).collect::<Vec<_>>()
-            );
+            assert_eq!(results.unwrap(), (0..20).map(|i| i * 10).collect::<Vec<_>>());
         }
     }
 
     #[test]
     fn no_jobs_are_no_work() {
-        assert_eq!(
-            run(&jobs(0), workers(2), Display::Silent, |_, _| Err::<(), _>(
-                "unreachable"
-            )),
-            Ok(vec![])
-        );
+        assert_eq!(run(&jobs(0), workers(2), Display::Silent, |_, _| Err::<(), _>("unreachable")), Ok(vec![]));
     }
 
     #[test]
@@ -219,11 +188,7 @@ mod tests {
     #[test]
     fn a_job_counts_for_its_share_and_no_more() {
         let total = AtomicU64::new(0);
-        let progress = Progress {
-            total: &total,
-            n_steps: 10,
-            reported: AtomicU64::new(0),
-        };
+        let progress = Progress { total: &total, n_steps: 10, reported: AtomicU64::new(0) };
         progress.advance(4);
         assert_eq!(total.load(Ordering::Relaxed), 4);
         progress.advance(100);

@@ -84,17 +84,11 @@ impl Trajectory {
 
     /// The length of the path as drawn, m.
     fn distance(&self) -> f64 {
-        self.samples
-            .windows(2)
-            .map(|pair| (pair[1].x - pair[0].x).hypot(pair[1].y - pair[0].y))
-            .sum()
+        self.samples.windows(2).map(|pair| (pair[1].x - pair[0].x).hypot(pair[1].y - pair[0].y)).sum()
     }
 
     /// The greatest speed, m/s; zero if the vehicle never moved forward.
     fn top_speed(&self) -> f64 {
-        self.samples
-            .iter()
-            .map(|sample| sample.speed)
-            .fold(0.0, f64::max)
+        self.samples.iter().map(|sample| sample.speed).fold(0.0, f64::max)
     }
 }

@@ -95,28 +95,15 @@ impl Row {
 /// assert!(report.csv().starts_with("world,seeds,episodes,success,success_low,success_high,"));
 /// ```
 pub fn of_policy(worlds: &[(impl AsRef<str>, Vec<EpisodeRecord>)]) -> Report {
-    let rows = worlds
-        .iter()
-        .map(|(world, episodes)| policy_row(world.as_ref(), episodes))
-        .collect();
-    Report {
-        axes: Vec::new(),
-        rows,
-        interval: Interval::Episodes,
-        n_complete: 1,
-        n_runs: 1,
-        warnings: Vec::new(),
-    }
+    let rows = worlds.iter().map(|(world, episodes)| policy_row(world.as_ref(), episodes)).collect();
+    Report { axes: Vec::new(), rows, interval: Interval::Episodes, n_complete: 1, n_runs: 1, warnings: Vec::new() }
 }
 
 fn policy_row(world: &str, episodes: &[EpisodeRecord]) -> Row {
     let mut row = Row::of_seeds(Vec::new(), world.to_owned(), &[SeedSummary::of(episodes)]);
     for (estimate, metric) in row.estimates.iter_mut().zip(Metric::ALL) {
         if let Some(outcome) = metric.outcome() {
-            *estimate = wilson(
-                episodes.iter().filter(|e| e.outcome == outcome).count(),
-                episodes.len(),
-            );
+            *estimate = wilson(episodes.iter().filter(|e| e.outcome == outcome).count(), episodes.len());
         }
     }
     row
@@ -127,16 +114,9 @@ impl Report {
     pub fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
         if self.n_complete < self.n_runs {
-            notes.push(format!(
-                "unfinished: {} of {} runs are complete",
-                self.n_complete, self.n_runs
-            ));
+            notes.push(format!("unfinished: {} of {} runs are complete", self.n_complete, self.n_runs));
         }
-        notes.extend(
-            self.warnings
-                .iter()
-                .map(|warning| format!("warning: {warning}")),
-        );
+        notes.extend(self.warnings.iter().map(|warning| format!("warning: {warning}")));
         notes
     }
 }

@@ -66,24 +66,14 @@ pub fn over_seeds(values: &[Option<f64>]) -> Estimate {
 /// ```
 pub fn wilson(successes: usize, n: usize) -> Estimate {
     if n == 0 {
-        return Estimate {
-            mean: None,
-            low: None,
-            high: None,
-            n: 0,
-        };
+        return Estimate { mean: None, low: None, high: None, n: 0 };
     }
     let (p, n) = (successes as f64 / n as f64, n as f64);
     let centre = (p + Z * Z / (2.0 * n)) / (1.0 + Z * Z / n);
     let half = Z / (1.0 + Z * Z / n) * (p * (1.0 - p) / n + Z * Z / (4.0 * n * n)).sqrt();
     // The interval holds the rate; rounding must not say otherwise where the two meet, at 0 and 1.
     let (low, high) = ((centre - half).clamp(0.0, p), (centre + half).clamp(p, 1.0));
-    Estimate {
-        mean: Some(p),
-        low: Some(low),
-        high: Some(high),
-        n: 1,
-    }
+    Estimate { mean: Some(p), low: Some(low), high: Some(high), n: 1 }
 }
 
 fn mean(values: &[f64]) -> f64 {
@@ -93,9 +83,8 @@ fn mean(values: &[f64]) -> f64 {
 fn bootstrap_interval(values: &[f64]) -> (f64, f64) {
     let mut rng = ChaCha8Rng::from_seed(*b"headway bootstrap over the seeds");
     let n = values.len();
-    let mut means: Vec<f64> = (0..N_RESAMPLES)
-        .map(|_| (0..n).map(|_| values[below(&mut rng, n)]).sum::<f64>() / n as f64)
-        .collect();
+    let mut means: Vec<f64> =
+        (0..N_RESAMPLES).map(|_| (0..n).map(|_| values[below(&mut rng, n)]).sum::<f64>() / n as f64).collect();
     means.sort_by(f64::total_cmp);
     (quantile(&means, 0.025), quantile(&means, 0.975))
 }
@@ -125,12 +114,7 @@ mod tests {
     fn exact_interval(values: &[f64]) -> (f64, f64) {
         let n = values.len();
         let mut means: Vec<f64> = (0..n.pow(n as u32))
-            .map(|code| {
-                (0..n)
-                    .map(|k| values[code / n.pow(k as u32) % n])
-                    .sum::<f64>()
-                    / n as f64
-            })
+            .map(|code| (0..n).map(|k| values[code / n.pow(k as u32) % n]).sum::<f64>() / n as f64)
             .collect();
         means.sort_by(f64::total_cmp);
         let at = |q: f64| means[(q * means.len() as f64).ceil() as usize - 1];
@@ -139,44 +123,17 @@ mod tests {
 
     #[test]
     fn undefined_values_and_few_seeds() {
-        let none = Estimate {
-            mean: None,
-            low: None,
-            high: None,
-            n: 0,
-        };
+        let none = Estimate { mean: None, low: None, high: None, n: 0 };
         assert_eq!(over_seeds(&[]), none);
         assert_eq!(over_seeds(&[None, None, None]), none);
-        assert_eq!(
-            over_seeds(&some(&[1.0, 2.0])),
-            Estimate {
-                mean: Some(1.5),
-                n: 2,
-                ..none
-            }
-        );
-        assert_eq!(
-            over_seeds(&[Some(1.0), None, Some(2.0)]),
-            Estimate {
-                mean: Some(1.5),
-                n: 2,
-                ..none
-            }
-        );
+        assert_eq!(over_seeds(&some(&[1.0, 2.0])), Estimate { mean: Some(1.5), n: 2, ..none });
+        assert_eq!(over_seeds(&[Some(1.0), None, Some(2.0)]), Estimate { mean: Some(1.5), n: 2, ..none });
     }
 
     #[test]
     fn equal_values_have_an_interval_of_no_width() {
         let estimate = over_seeds(&some(&[0.25; 5]));
-        assert_eq!(
-            estimate,
-            Estimate {
-                mean: Some(0.25),
-                low: Some(0.25),
-                high: Some(0.25),
-                n: 5
-            }
-        );
+        assert_eq!(estimate, Estimate { mean: Some(0.25), low: Some(0.25), high: Some(0.25), n: 5 });
     }
 
     #[test]
@@ -188,21 +145,11 @@ mod tests {
 
     #[test]
     fn agrees_with_the_exact_enumeration() {
-        for values in [
-            vec![0.3, 0.9, 0.4],
-            vec![1.16, 1.02, 1.31, 0.98],
-            vec![0.91, 0.985, 0.97, 0.93, 1.0],
-        ] {
+        for values in [vec![0.3, 0.9, 0.4], vec![1.16, 1.02, 1.31, 0.98], vec![0.91, 0.985, 0.97, 0.93, 1.0]] {
             let estimate = over_seeds(&some(&values));
             let (low, high) = exact_interval(&values);
-            assert!(
-                (estimate.low.unwrap() - low).abs() < 0.003,
-                "{estimate:?} against {low}"
-            );
-            assert!(
-                (estimate.high.unwrap() - high).abs() < 0.003,
-                "{estimate:?} against {high}"
-            );
+            assert!((estimate.low.unwrap() - low).abs() < 0.003, "{estimate:?} against {low}");
+            assert!((estimate.high.unwrap() - high).abs() < 0.003, "{estimate:?} against {high}");
         }
     }
 
@@ -224,12 +171,9 @@ mod tests {
     #[test]
     fn wilson_against_published_values() {
         // Newcombe (1998), table I: 81 of 263, 15 of 148, 0 of 20, 1 of 29.
-        for (successes, n, low, high) in [
-            (81, 263, 0.2553, 0.3662),
-            (15, 148, 0.0624, 0.1605),
-            (0, 20, 0.0, 0.1611),
-            (1, 29, 0.0061, 0.1718),
-        ] {
+        for (successes, n, low, high) in
+            [(81, 263, 0.2553, 0.3662), (15, 148, 0.0624, 0.1605), (0, 20, 0.0, 0.1611), (1, 29, 0.0061, 0.1718)]
+        {
             let rate = wilson(successes, n);
             assert!((rate.low.unwrap() - low).abs() < 6e-5, "{rate:?}");
             assert!((rate.high.unwrap() - high).abs() < 6e-5, "{rate:?}");

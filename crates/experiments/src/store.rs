@@ -106,11 +106,7 @@ impl Store {
             Ok(held) if held.name == index.name => {}
             Ok(held) => {
                 let folder = self.root.clone();
-                return Err(StoreError::OtherGrid {
-                    folder,
-                    held: held.name,
-                    given: index.name.clone(),
-                });
+                return Err(StoreError::OtherGrid { folder, held: held.name, given: index.name.clone() });
             }
         }
         let path = self.root.join(index::FILE);

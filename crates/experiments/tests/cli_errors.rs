@@ -183,7 +183,7 @@ fn seeds_axes_and_levels() {
             "[env]\nactions = { type = \"set_points\", speeds = [1.5], yaw_rates = [0.0] }\n[[axis]]\nname = \"v\"\n\
              [axis.levels]\nfast = {}\nslow = { \"vehicle.max_speed\" = 1.0 }",
             &[],
-            "spec.toml:2: env.actions.speeds.0 = 1.5: must be from -0 to 1, the vehicle's limits (in the cell v=slow)",
+            "spec.toml:2: env.actions.speeds.0 = 1.5: must be from 0 to 1, the vehicle's limits (in the cell v=slow)",
         ),
         (
             "[[axis]]\nname = \"reward\"\nlevels = { R = {} }\n[[when]]\nmatch = { reword = \"R\" }\nset = {}",
@@ -256,6 +256,15 @@ fn a_fault_of_a_base_is_placed_in_the_base() {
     let output = experiments(folder.path(), &["check", "leaf.toml"]);
     let stderr = String::from_utf8_lossy(&output.stderr);
     assert_eq!(stderr, "error: base.toml:3: agent.gamma = 3.0: must be in [0, 1]\n");
+}
+
+#[test]
+fn a_run_of_a_bad_spec_creates_no_folder() {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("spec.toml"), "[agent]\ngamma = 3").unwrap();
+    let output = experiments(folder.path(), &["run", "spec.toml", "--out", "out"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(!folder.path().join("out").exists());
 }
 
 #[test]

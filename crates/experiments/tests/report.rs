@@ -5,8 +5,8 @@ use std::path::Path;
 use headway_experiments::episode::{EpisodeRecord, Outcome};
 use headway_experiments::report::{Report, TABLE_WIDTH, load, of_policy};
 use headway_experiments::store::{
-    AxisLevel, Cell, EvaluationKey, GridAxis, Id, Index, IndexedEvaluation, IndexedRun, RunInfo,
-    Stopwatch, Store, TrainKey,
+    AxisLevel, Cell, EvaluationKey, GridAxis, Id, Index, IndexedEvaluation, IndexedRun, RunInfo, Stopwatch, Store,
+    TrainKey,
 };
 use serde_json::{Value, json};
 
@@ -28,11 +28,7 @@ fn episodes(skill: u32, world: u32) -> Vec<EpisodeRecord> {
                 duration: if success { 10.0 } else { 5.0 },
                 distance: if success { 8.0 + f64::from(world) } else { 2.0 },
                 geodesic: 7.5,
-                spl: if success {
-                    7.5 / (8.0 + f64::from(world))
-                } else {
-                    0.0
-                },
+                spl: if success { 7.5 / (8.0 + f64::from(world)) } else { 0.0 },
                 near_time: f64::from(world) + 1.0,
                 near_distance: 0.5,
                 n_decelerations: scenario,
@@ -51,46 +47,18 @@ impl Fixture {
     fn new(n_seeds: u64, skill: impl Fn(usize, u64) -> u32) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let store = Store::open(folder.path()).unwrap();
-        let names = [
-            ("R", "DQN"),
-            ("R", "DDQN"),
-            ("R_couple", "DQN"),
-            ("R_couple", "DDQN"),
-        ];
+        let names = [("R", "DQN"), ("R", "DDQN"), ("R_couple", "DQN"), ("R_couple", "DDQN")];
         let cells = names.iter().enumerate().map(|(k, (reward, agent))| {
             let seeds = 0..n_seeds;
-            let runs = seeds
-                .map(|seed| IndexedRun {
-                    seed,
-                    train_id: run(&store, k, seed, skill(k, seed)),
-                })
-                .collect();
-            let level = |axis: &str, level: &str| AxisLevel {
-                axis: axis.into(),
-                level: level.into(),
-            };
-            Cell {
-                axes: vec![level("reward", reward), level("agent", agent)],
-                runs,
-                evaluations: evaluations(),
-            }
+            let runs = seeds.map(|seed| IndexedRun { seed, train_id: run(&store, k, seed, skill(k, seed)) }).collect();
+            let level = |axis: &str, level: &str| AxisLevel { axis: axis.into(), level: level.into() };
+            Cell { axes: vec![level("reward", reward), level("agent", agent)], runs, evaluations: evaluations() }
         });
         let cells = cells.collect();
-        let axis = |name: &str, levels: [&str; 2]| GridAxis {
-            name: name.into(),
-            levels: levels.map(Into::into).into(),
-        };
-        let axes = vec![
-            axis("reward", ["R", "R_couple"]),
-            axis("agent", ["DQN", "DDQN"]),
-        ];
-        store
-            .write_index(&Index {
-                name: "table1".into(),
-                axes,
-                cells,
-            })
-            .unwrap();
+        let axis =
+            |name: &str, levels: [&str; 2]| GridAxis { name: name.into(), levels: levels.map(Into::into).into() };
+        let axes = vec![axis("reward", ["R", "R_couple"]), axis("agent", ["DQN", "DDQN"])];
+        store.write_index(&Index { name: "table1".into(), axes, cells }).unwrap();
         Self { folder }
     }
 
@@ -105,40 +73,21 @@ impl Fixture {
     /// The folder of the run of a cell and seed.
     fn run(&self, cell: usize, seed: usize) -> std::path::PathBuf {
         let index = Index::load(self.path()).unwrap();
-        self.path()
-            .join("runs")
-            .join(index.cells[cell].runs[seed].train_id.as_str())
+        self.path().join("runs").join(index.cells[cell].runs[seed].train_id.as_str())
     }
 }
 
 fn key(world: &&'static str) -> EvaluationKey<'static, str> {
-    EvaluationKey {
-        n_episodes: 8,
-        seed: 1,
-        time_limit: 60.0,
-        world,
-    }
+    EvaluationKey { n_episodes: 8, seed: 1, time_limit: 60.0, world }
 }
 
 fn evaluations() -> Vec<IndexedEvaluation> {
-    WORLDS
-        .iter()
-        .map(|world| IndexedEvaluation {
-            world: (*world).into(),
-            eval_id: key(world).id().unwrap(),
-        })
-        .collect()
+    WORLDS.iter().map(|world| IndexedEvaluation { world: (*world).into(), eval_id: key(world).id().unwrap() }).collect()
 }
 
 fn run(store: &Store, cell: usize, seed: u64, skill: u32) -> Id {
     let spec = json!({ "cell": cell });
-    let id = TrainKey {
-        spec: &spec,
-        seed,
-        reward_version: 1,
-    }
-    .id()
-    .unwrap();
+    let id = TrainKey { spec: &spec, seed, reward_version: 1 }.id().unwrap();
     let pending = store.run(&id).start(&spec, &RunInfo::new(seed, 1)).unwrap();
     pending.write_policy(b"").unwrap();
     let run = pending.finish(&Stopwatch::start().stop()).unwrap();
@@ -153,10 +102,7 @@ fn run(store: &Store, cell: usize, seed: u64, skill: u32) -> Id {
 fn assert_text(text: &str, expected: &str) {
     let expected = &expected[1..]; // the first line may start with spaces
     assert!(text == expected, "--- got\n{text}--- expected\n{expected}");
-    assert!(
-        text.lines().all(|line| line.chars().count() <= TABLE_WIDTH),
-        "wider than {TABLE_WIDTH} columns"
-    );
+    assert!(text.lines().all(|line| line.chars().count() <= TABLE_WIDTH), "wider than {TABLE_WIDTH} columns");
 }
 
 fn skill(cell: usize, seed: u64) -> u32 {
@@ -166,7 +112,9 @@ fn skill(cell: usize, seed: u64) -> u32 {
 #[test]
 fn the_table_of_a_grid() {
     let table = Fixture::new(4, skill).report().table();
-    assert_text(&table, "
+    assert_text(
+        &table,
+        "
                                                                   mean   speed in  speed near   needless
 reward    agent  world        success  collision    timeout      speed  successes   obstacles     decel.        SPL
                                     %          %          %        m/s        m/s         m/s        1/m
@@ -191,13 +139,16 @@ Mean over 4 training seeds, 8 episodes each; below it: 95 % percentile bootstrap
 mean speed: all distance / all time, failures included; near obstacles: clearance < 1 m; needless: the way was clear
 * undefined in some of the seeds; the mean is over the others
 left out for want of room (see --format json or csv): decelerations_per_m
-");
+",
+    );
 }
 
 #[test]
 fn the_table_of_a_single_policy() {
     let table = of_policy(&[("room_10x15", episodes(6, 0)), ("hall", episodes(8, 1))]).table();
-    assert_text(&table, "
+    assert_text(
+        &table,
+        "
                                              mean   speed in  speed near  decele-  needless
 world         success  collision   timeout  speed  successes   obstacles  rations    decel.   SPL
                     %          %         %    m/s        m/s         m/s      1/m       1/m
@@ -208,13 +159,16 @@ hall              100          0         0   0.90       0.90        0.25     0.3
              67.6–100     0–32.4    0–32.4
 One policy, 8 episodes a world; below the rates: 95 % Wilson intervals over the episodes.
 mean speed: all distance / all time, failures included; near obstacles: clearance < 1 m; needless: the way was clear
-");
+",
+    );
 }
 
 #[test]
 fn fewer_than_three_seeds_have_no_intervals() {
     let table = Fixture::new(2, skill).report().table();
-    assert_text(&table, "
+    assert_text(
+        &table,
+        "
                                                            mean   speed in  speed near  decele-  needless
 reward    agent  world       success  collision  timeout  speed  successes   obstacles  rations    decel.   SPL
                                    %          %        %    m/s        m/s         m/s      1/m       1/m
@@ -230,22 +184,22 @@ R_couple  DDQN   room_25x25      100          0        0   0.90       0.90      
 Mean over 2 training seeds, 8 episodes each; no intervals below 3 seeds.
 mean speed: all distance / all time, failures included; near obstacles: clearance < 1 m; needless: the way was clear
 * undefined in some of the seeds; the mean is over the others
-");
+",
+    );
 }
 
 #[test]
 fn an_unfinished_grid_shows_what_there_is() {
     let fixture = Fixture::new(4, skill);
     std::fs::remove_file(fixture.run(3, 1).join("done")).unwrap();
-    let evaluation = fixture
-        .run(2, 2)
-        .join("evaluations")
-        .join(key(&WORLDS[1]).id().unwrap().as_str());
+    let evaluation = fixture.run(2, 2).join("evaluations").join(key(&WORLDS[1]).id().unwrap().as_str());
     std::fs::remove_file(evaluation.join("done")).unwrap();
     for seed in 0..4 {
         std::fs::remove_dir_all(fixture.run(0, seed)).unwrap();
     }
-    assert_text(&fixture.report().table(), "
+    assert_text(
+        &fixture.report().table(),
+        "
                                                                          mean   speed in  speed near   needless
 reward    agent  world       seeds   success  collision    timeout      speed  successes   obstacles     decel.
                                            %          %          %        m/s        m/s         m/s        1/m
@@ -271,28 +225,19 @@ mean speed: all distance / all time, failures included; near obstacles: clearanc
 * undefined in some of the seeds; the mean is over the others
 left out for want of room (see --format json or csv): decelerations_per_m, spl
 unfinished: 10 of 16 runs are complete
-");
+",
+    );
 }
 
 #[test]
 fn mixed_versions_and_revisions_are_flagged() {
     let fixture = Fixture::new(3, skill);
     let path = fixture.run(1, 1).join("run.json");
-    let info = RunInfo {
-        results_version: 0,
-        revision: "abc1234".into(),
-        ..RunInfo::new(1, 1)
-    };
+    let info = RunInfo { results_version: 0, revision: "abc1234".into(), ..RunInfo::new(1, 1) };
     std::fs::write(path, serde_json::to_string(&info).unwrap()).unwrap();
     let notes = fixture.report().notes();
-    assert_eq!(
-        notes[0],
-        "warning: runs of several results versions: 0 (1 runs), 1 (11 runs)"
-    );
-    assert!(
-        notes[1].starts_with("warning: runs of several code revisions: "),
-        "{notes:?}"
-    );
+    assert_eq!(notes[0], "warning: runs of several results versions: 0 (1 runs), 1 (11 runs)");
+    assert!(notes[1].starts_with("warning: runs of several code revisions: "), "{notes:?}");
     assert!(notes[1].contains("abc1234 (1 runs)"), "{notes:?}");
 }
 
@@ -307,17 +252,11 @@ fn json_is_a_list_with_one_object_per_cell_and_world() {
         (&rows[0]["world"], &rows[0]["seeds"], &rows[0]["episodes"]),
         (&json!("room_10x15"), &json!(4), &json!(32))
     );
-    assert_eq!(
-        rows[0]["success"],
-        json!({ "mean": 0.0, "low": 0.0, "high": 0.0, "n": 4 })
-    );
+    assert_eq!(rows[0]["success"], json!({ "mean": 0.0, "low": 0.0, "high": 0.0, "n": 4 }));
     assert_eq!(rows[0]["timeout"]["mean"], json!(0.875));
     assert_eq!(rows[0]["speed_in_successes"], undefined);
     assert_eq!(rows[2]["speed_in_successes"]["n"], json!(3));
-    assert!(
-        text.find("\"reward\"").unwrap() < text.find("\"agent\"").unwrap(),
-        "axes keep the order of the grid"
-    );
+    assert!(text.find("\"reward\"").unwrap() < text.find("\"agent\"").unwrap(), "axes keep the order of the grid");
 }
 
 #[test]
@@ -325,9 +264,7 @@ fn csv_has_a_row_per_cell_and_world() {
     let text = Fixture::new(4, skill).report().csv();
     let lines: Vec<_> = text.lines().collect();
     assert_eq!(lines.len(), 1 + 8);
-    assert!(lines[0].starts_with(
-        "reward,agent,world,seeds,episodes,success,success_low,success_high,collision,"
-    ));
+    assert!(lines[0].starts_with("reward,agent,world,seeds,episodes,success,success_low,success_high,collision,"));
     assert!(lines[0].ends_with(",spl,spl_low,spl_high"));
     assert!(lines[1].starts_with("R,DQN,room_10x15,4,32,0,0,0,0.125,0.125,0.125,0.875,"));
 }
@@ -346,23 +283,15 @@ fn the_formats_agree() {
         let record = record.unwrap();
         let success = row["success"]["mean"].as_f64().unwrap();
         assert_eq!(record[column("success")].parse::<f64>().unwrap(), success);
-        assert_eq!(
-            record[column("spl_high")].parse::<f64>().ok(),
-            row["spl"]["high"].as_f64()
-        );
+        assert_eq!(record[column("spl_high")].parse::<f64>().ok(), row["spl"]["high"].as_f64());
         let cells: Vec<_> = line.split_whitespace().collect();
         assert_eq!(
             cells[..3],
-            [&row["axes"]["reward"], &row["axes"]["agent"], &row["world"]]
-                .map(|v| v.as_str().unwrap())
+            [&row["axes"]["reward"], &row["axes"]["agent"], &row["world"]].map(|v| v.as_str().unwrap())
         );
+        assert!((cells[3].parse::<f64>().unwrap() - 100.0 * success).abs() <= 0.05, "{line}");
         assert!(
-            (cells[3].parse::<f64>().unwrap() - 100.0 * success).abs() <= 0.05,
-            "{line}"
-        );
-        assert!(
-            (cells[6].parse::<f64>().unwrap() - row["mean_speed"]["mean"].as_f64().unwrap()).abs()
-                <= 0.005,
+            (cells[6].parse::<f64>().unwrap() - row["mean_speed"]["mean"].as_f64().unwrap()).abs() <= 0.005,
             "{line}"
         );
     }
@@ -373,8 +302,7 @@ fn a_folder_without_results_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let message = load(folder.path()).unwrap_err().to_string();
     assert!(
-        message.contains("holds no results")
-            && message.contains(&folder.path().display().to_string()),
+        message.contains("holds no results") && message.contains(&folder.path().display().to_string()),
         "{message}"
     );
 }

@@ -246,8 +246,8 @@ fn table1_holds_the_readings() {
         ("P", "R_couple", ("terminate", "full", 3, 0.0, "progress")),
         ("T", "R", ("new_goal", "full", 1, 5.0, "heading")),
         ("T", "R_couple", ("new_goal", "full", 1, 5.0, "heading")),
-        ("H", "R", ("terminate", "speed_only", 3, 0.0, "progress")),
-        ("H", "R_couple", ("new_goal", "speed_only", 3, 0.0, "progress")),
+        ("H", "R", ("terminate", "speed_only", 1, 0.0, "progress")),
+        ("H", "R_couple", ("new_goal", "speed_only", 1, 0.0, "progress")),
         ("N", "R", ("new_goal", "full", 3, 50.0, "progress")),
         ("N", "R_couple", ("new_goal", "full", 3, 50.0, "progress")),
     ] {

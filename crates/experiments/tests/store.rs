@@ -5,8 +5,7 @@ use std::path::Path;
 
 use headway_experiments::episode::{EpisodeMeter, EpisodeRecord, Outcome, Sample};
 use headway_experiments::store::{
-    AxisLevel, Cell, EvaluationKey, GridAxis, Id, Index, RunFolder, RunInfo, Stopwatch, Store,
-    StoreError, TrainKey,
+    AxisLevel, Cell, EvaluationKey, GridAxis, Id, Index, RunFolder, RunInfo, Stopwatch, Store, StoreError, TrainKey,
 };
 use serde::Serialize;
 
@@ -27,65 +26,32 @@ struct MetricsRow {
     loss: Option<f64>,
 }
 
-const SPEC: Spec = Spec {
-    agent: Agent { gamma: 0.95 },
-    n_steps: 1000,
-};
+const SPEC: Spec = Spec { agent: Agent { gamma: 0.95 }, n_steps: 1000 };
 
 fn id(seed: u64) -> Id {
-    TrainKey {
-        spec: &SPEC,
-        seed,
-        reward_version: 1,
-    }
-    .id()
-    .unwrap()
+    TrainKey { spec: &SPEC, seed, reward_version: 1 }.id().unwrap()
 }
 
 fn key() -> EvaluationKey<'static, Agent> {
-    EvaluationKey {
-        n_episodes: 2,
-        seed: 7,
-        time_limit: 60.0,
-        world: &SPEC.agent,
-    }
+    EvaluationKey { n_episodes: 2, seed: 7, time_limit: 60.0, world: &SPEC.agent }
 }
 
 fn finish_run(run: &RunFolder) {
     let pending = run.start(&SPEC, &RunInfo::new(3, 1)).unwrap();
     let mut metrics = pending.metrics().unwrap();
-    metrics
-        .push(&MetricsRow {
-            env_steps: 500,
-            loss: None,
-        })
-        .unwrap();
-    metrics
-        .push(&MetricsRow {
-            env_steps: 1000,
-            loss: Some(0.25),
-        })
-        .unwrap();
+    metrics.push(&MetricsRow { env_steps: 500, loss: None }).unwrap();
+    metrics.push(&MetricsRow { env_steps: 1000, loss: Some(0.25) }).unwrap();
     pending.write_policy(b"weights").unwrap();
     pending.finish(&Stopwatch::start().stop()).unwrap();
 }
 
 fn episodes() -> Vec<EpisodeRecord> {
     let mut meter = EpisodeMeter::new(2.0);
-    let sample = Sample {
-        speed_before: 1.0,
-        speed_after: 0.1,
-        dt: 0.1,
-        distance: 0.3,
-        clearance: 0.7,
-        free_range: 0.2,
-    };
+    let sample =
+        Sample { speed_before: 1.0, speed_after: 0.1, dt: 0.1, distance: 0.3, clearance: 0.7, free_range: 0.2 };
     meter.push(&sample);
     meter.push(&Sample { dt: 0.2, ..sample }); // 0.1 + 0.2: all digits must survive
-    vec![
-        meter.clone().finish(0, Outcome::Success, 0.55),
-        meter.finish(1, Outcome::Collision, 4.0),
-    ]
+    vec![meter.clone().finish(0, Outcome::Success, 0.55), meter.finish(1, Outcome::Collision, 4.0)]
 }
 
 fn text(path: impl AsRef<Path>) -> String {
@@ -103,43 +69,21 @@ fn a_run_leaves_its_files_and_is_complete_at_the_end() {
     drop(pending);
     finish_run(&run);
     assert!(run.is_complete());
-    assert_eq!(
-        text(run.path().join("spec.toml")),
-        "n_steps = 1000\n\n[agent]\ngamma = 0.95\n"
-    );
-    assert_eq!(
-        text(run.path().join("metrics.csv")),
-        "env_steps,loss\n500,\n1000,0.25\n"
-    );
+    assert_eq!(text(run.path().join("spec.toml")), "n_steps = 1000\n\n[agent]\ngamma = 0.95\n");
+    assert_eq!(text(run.path().join("metrics.csv")), "env_steps,loss\n500,\n1000,0.25\n");
     assert_eq!(fs::read(run.policy_path()).unwrap(), b"weights");
     assert_eq!(run.info().unwrap(), RunInfo::new(3, 1));
     assert!(run.timing().unwrap().wall_seconds >= 0.0);
-    let mut names: Vec<_> = fs::read_dir(run.path())
-        .unwrap()
-        .map(|e| e.unwrap().file_name())
-        .collect();
+    let mut names: Vec<_> = fs::read_dir(run.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
     names.sort();
-    assert_eq!(
-        names,
-        [
-            "done",
-            "metrics.csv",
-            "policy.safetensors",
-            "run.json",
-            "spec.toml",
-            "timing.json"
-        ]
-    );
+    assert_eq!(names, ["done", "metrics.csv", "policy.safetensors", "run.json", "spec.toml", "timing.json"]);
 }
 
 #[test]
 fn only_the_timing_knows_the_time() {
     let folder = tempfile::tempdir().unwrap();
     let store = Store::open(folder.path()).unwrap();
-    let files = || {
-        ["spec.toml", "run.json", "metrics.csv"]
-            .map(|file| text(store.run(&id(3)).path().join(file)))
-    };
+    let files = || ["spec.toml", "run.json", "metrics.csv"].map(|file| text(store.run(&id(3)).path().join(file)));
     finish_run(&store.run(&id(3)));
     let first = files();
     finish_run(&store.run(&id(3)));
@@ -152,16 +96,8 @@ fn metrics_are_visible_while_the_run_goes_on() {
     let run = Store::open(folder.path()).unwrap().run(&id(0));
     let pending = run.start(&SPEC, &RunInfo::new(0, 1)).unwrap();
     let mut metrics = pending.metrics().unwrap();
-    metrics
-        .push(&MetricsRow {
-            env_steps: 500,
-            loss: None,
-        })
-        .unwrap();
-    assert_eq!(
-        text(run.path().join("metrics.csv")),
-        "env_steps,loss\n500,\n"
-    );
+    metrics.push(&MetricsRow { env_steps: 500, loss: None }).unwrap();
+    assert_eq!(text(run.path().join("metrics.csv")), "env_steps,loss\n500,\n");
 }
 
 #[test]
@@ -200,10 +136,7 @@ fn a_damaged_file_is_named() {
     finish_run(&run);
     fs::write(run.path().join("run.json"), "{").unwrap();
     let message = run.info().unwrap_err().to_string();
-    assert!(
-        message.contains("run.json: cannot read this file: EOF"),
-        "{message}"
-    );
+    assert!(message.contains("run.json: cannot read this file: EOF"), "{message}");
 }
 
 #[test]
@@ -211,15 +144,8 @@ fn one_writer_at_a_time() {
     let folder = tempfile::tempdir().unwrap();
     let store = Store::open(folder.path()).unwrap();
     let error = Store::open(folder.path()).unwrap_err();
-    assert!(
-        matches!(&error, StoreError::InUse { folder: used } if used == folder.path()),
-        "{error}"
-    );
-    assert!(
-        error
-            .to_string()
-            .contains(&folder.path().display().to_string())
-    );
+    assert!(matches!(&error, StoreError::InUse { folder: used } if used == folder.path()), "{error}");
+    assert!(error.to_string().contains(&folder.path().display().to_string()));
     drop(store);
     Store::open(folder.path()).unwrap();
 }
@@ -230,100 +156,44 @@ fn a_folder_that_cannot_be_written_is_refused_by_name() {
     let file = folder.path().join("file");
     fs::write(&file, "").unwrap();
     let message = Store::open(file.join("results")).unwrap_err().to_string();
-    assert!(
-        message.contains("file/results: cannot create the results folder"),
-        "{message}"
-    );
+    assert!(message.contains("file/results: cannot create the results folder"), "{message}");
 }
 
 #[test]
 fn the_index_is_replaced_by_the_same_grid_only() {
     let folder = tempfile::tempdir().unwrap();
     let store = Store::open(folder.path()).unwrap();
-    assert!(matches!(
-        Index::load(folder.path()),
-        Err(StoreError::NoIndex { .. })
-    ));
-    let axes = vec![GridAxis {
-        name: "agent".into(),
-        levels: vec!["DQN".into()],
-    }];
-    let first = Index {
-        name: "table1".into(),
-        axes,
-        cells: vec![],
-    };
+    assert!(matches!(Index::load(folder.path()), Err(StoreError::NoIndex { .. })));
+    let axes = vec![GridAxis { name: "agent".into(), levels: vec!["DQN".into()] }];
+    let first = Index { name: "table1".into(), axes, cells: vec![] };
     store.write_index(&first).unwrap();
     assert_eq!(Index::load(folder.path()).unwrap(), first);
-    let level = AxisLevel {
-        axis: "agent".into(),
-        level: "DQN".into(),
-    };
-    let cells = vec![Cell {
-        axes: vec![level],
-        runs: vec![],
-        evaluations: vec![],
-    }];
-    let larger = Index {
-        cells,
-        ..first.clone()
-    };
+    let level = AxisLevel { axis: "agent".into(), level: "DQN".into() };
+    let cells = vec![Cell { axes: vec![level], runs: vec![], evaluations: vec![] }];
+    let larger = Index { cells, ..first.clone() };
     store.write_index(&larger).unwrap();
     assert_eq!(Index::load(folder.path()).unwrap(), larger);
-    let message = store
-        .write_index(&Index {
-            name: "other".into(),
-            ..first
-        })
-        .unwrap_err()
-        .to_string();
-    assert!(
-        message.contains("holds the grid `table1`; give another folder for `other`"),
-        "{message}"
-    );
+    let message = store.write_index(&Index { name: "other".into(), ..first }).unwrap_err().to_string();
+    assert!(message.contains("holds the grid `table1`; give another folder for `other`"), "{message}");
     assert_eq!(Index::load(folder.path()).unwrap(), larger);
 }
 
 #[test]
 fn an_index_whose_cells_lack_an_axis_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let axes = vec![GridAxis {
-        name: "agent".into(),
-        levels: vec!["DQN".into()],
-    }];
-    let cells = vec![Cell {
-        axes: vec![],
-        runs: vec![],
-        evaluations: vec![],
-    }];
+    let axes = vec![GridAxis { name: "agent".into(), levels: vec!["DQN".into()] }];
+    let cells = vec![Cell { axes: vec![], runs: vec![], evaluations: vec![] }];
     let store = Store::open(folder.path()).unwrap();
-    store
-        .write_index(&Index {
-            name: "table1".into(),
-            axes,
-            cells,
-        })
-        .unwrap();
+    store.write_index(&Index { name: "table1".into(), axes, cells }).unwrap();
     let message = Index::load(folder.path()).unwrap_err().to_string();
-    assert!(
-        message.contains("index.json: cannot read this file: cells[0].axes"),
-        "{message}"
-    );
+    assert!(message.contains("index.json: cannot read this file: cells[0].axes"), "{message}");
 }
 
 #[test]
 fn the_written_spec_has_the_id_of_the_run() {
     let folder = tempfile::tempdir().unwrap();
     let spec = headway_experiments::spec::RunSpec::default();
-    let key = |spec| {
-        TrainKey {
-            spec,
-            seed: 0,
-            reward_version: 1,
-        }
-        .id()
-        .unwrap()
-    };
+    let key = |spec| TrainKey { spec, seed: 0, reward_version: 1 }.id().unwrap();
     let id = key(&spec);
     let run = Store::open(folder.path()).unwrap().run(&id);
     run.start(&spec, &RunInfo::new(0, 1)).unwrap();

@@ -27,12 +27,7 @@ impl GridMap {
         let room = world.room();
         let count = |extent: f64| (extent / cell).ceil().max(1.0) as usize;
         let (n_x, n_y) = (count(room.width), count(room.height));
-        let mut map = Self {
-            cell,
-            n_x,
-            n_y,
-            blocked: vec![false; n_x * n_y],
-        };
+        let mut map = Self { cell, n_x, n_y, blocked: vec![false; n_x * n_y] };
         for index in 0..4 {
             map.block(world, Surface::Wall(index), (0..n_x, 0..n_y), inflation);
         }
@@ -42,12 +37,7 @@ impl GridMap {
                 let low = ((middle - reach) / cell).floor().max(0.0) as usize;
                 low.min(n)..(((middle + reach) / cell).ceil().max(0.0) as usize).min(n)
             };
-            map.block(
-                world,
-                Surface::Obstacle(index),
-                (span(obstacle.x, n_x), span(obstacle.y, n_y)),
-                inflation,
-            );
+            map.block(world, Surface::Obstacle(index), (span(obstacle.x, n_x), span(obstacle.y, n_y)), inflation);
         }
         map
     }
@@ -71,9 +61,7 @@ impl GridMap {
     /// Whether a point lies in a free cell of the map.
     #[must_use]
     pub fn is_free(&self, point: &Point) -> bool {
-        let place = |x: f64, n: usize| {
-            (x >= 0.0 && x < n as f64 * self.cell).then(|| (x / self.cell) as usize)
-        };
+        let place = |x: f64, n: usize| (x >= 0.0 && x < n as f64 * self.cell).then(|| (x / self.cell) as usize);
         let cell = place(point.x, self.n_x).zip(place(point.y, self.n_y));
         cell.is_some_and(|cell| !self.is_blocked(cell))
     }
@@ -89,11 +77,7 @@ impl GridMap {
         let advance = |rate: f64| if rate > 0.0 { 1 } else { -1 };
         let border = |position: f64, index: usize, rate: f64| {
             let next = if rate > 0.0 { index + 1 } else { index };
-            if rate == 0.0 {
-                f64::INFINITY
-            } else {
-                (next as f64 * self.cell - position) / rate
-            }
+            if rate == 0.0 { f64::INFINITY } else { (next as f64 * self.cell - position) / rate }
         };
         let (mut to_x, mut to_y) = (border(a.x, here.0, d.x), border(a.y, here.1, d.y));
         let n_borders = here.0.abs_diff(end.0) + here.1.abs_diff(end.1);
@@ -123,10 +107,7 @@ impl GridMap {
 
     /// The middle of a cell.
     pub(crate) fn center(&self, (column, row): Cell) -> Point {
-        Point::new(
-            (column as f64 + 0.5) * self.cell,
-            (row as f64 + 0.5) * self.cell,
-        )
+        Point::new((column as f64 + 0.5) * self.cell, (row as f64 + 0.5) * self.cell)
     }
 
     /// The cell that holds a point, or the nearest one to it.
@@ -143,9 +124,7 @@ impl GridMap {
         }
         let cells = (0..self.n_y).flat_map(|row| (0..self.n_x).map(move |column| (column, row)));
         let distance = |cell: &Cell| (self.center(*cell) - point).norm_squared();
-        cells
-            .filter(|cell| !self.is_blocked(*cell))
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        cells.filter(|cell| !self.is_blocked(*cell)).min_by(|a, b| distance(a).total_cmp(&distance(b)))
     }
 }
 
@@ -156,30 +135,10 @@ mod tests {
     use proptest::prelude::*;
 
     fn world() -> World {
-        let disc = |x, y, radius| Obstacle {
-            shape: Shape::Disc { radius },
-            x,
-            y,
-            yaw: 0.0,
-        };
-        let shape = Shape::Box {
-            length: 2.0,
-            width: 0.4,
-        };
-        let boxed = Obstacle {
-            shape,
-            x: 3.0,
-            y: 7.0,
-            yaw: 0.6,
-        };
-        World::new(
-            Room {
-                width: 10.0,
-                height: 9.93,
-            },
-            vec![disc(5.0, 4.0, 0.8), boxed],
-        )
-        .unwrap()
+        let disc = |x, y, radius| Obstacle { shape: Shape::Disc { radius }, x, y, yaw: 0.0 };
+        let shape = Shape::Box { length: 2.0, width: 0.4 };
+        let boxed = Obstacle { shape, x: 3.0, y: 7.0, yaw: 0.6 };
+        World::new(Room { width: 10.0, height: 9.93 }, vec![disc(5.0, 4.0, 0.8), boxed]).unwrap()
     }
 
     #[test]
@@ -188,11 +147,7 @@ mod tests {
         for row in 0..map.n_y {
             for column in 0..map.n_x {
                 let center = map.center((column, row));
-                assert_eq!(
-                    map.is_blocked((column, row)),
-                    world.distance(&center) < 0.3,
-                    "{center}"
-                );
+                assert_eq!(map.is_blocked((column, row)), world.distance(&center) < 0.3, "{center}");
             }
         }
     }

@@ -21,11 +21,7 @@ pub struct PurePursuit {
 
 impl Default for PurePursuit {
     fn default() -> Self {
-        Self {
-            lookahead: 0.8,
-            cruise_speed: 1.0,
-            turn_rate: 1.5,
-        }
+        Self { lookahead: 0.8, cruise_speed: 1.0, turn_rate: 1.5 }
     }
 }
 
@@ -69,18 +65,9 @@ impl Controller for PurePursuit {
         let here = Point::from(sensed.pose.translation.vector);
         let straight = Route::new(vec![here, sensed.goal]);
         let route = sensed.route.unwrap_or(&straight);
-        let ahead = sensed
-            .pose
-            .inverse_transform_point(&route.at(route.project(&here) + self.lookahead));
-        let speed = if ahead.x >= 0.0 {
-            self.cruise_speed
-        } else {
-            0.0
-        };
-        Command {
-            speed,
-            yaw_rate: self.yaw_rate(route, &sensed.pose, speed),
-        }
+        let ahead = sensed.pose.inverse_transform_point(&route.at(route.project(&here) + self.lookahead));
+        let speed = if ahead.x >= 0.0 { self.cruise_speed } else { 0.0 };
+        Command { speed, yaw_rate: self.yaw_rate(route, &sensed.pose, speed) }
     }
 }
 
@@ -99,20 +86,8 @@ mod tests {
 
     #[test]
     fn follows_a_bent_route_to_its_end() {
-        let world = World::new(
-            Room {
-                width: 20.0,
-                height: 20.0,
-            },
-            vec![],
-        )
-        .unwrap();
-        let vehicle = VehicleSpec {
-            control_period: 0.05,
-            ..VehicleSpec::default()
-        }
-        .build()
-        .unwrap();
+        let world = World::new(Room { width: 20.0, height: 20.0 }, vec![]).unwrap();
+        let vehicle = VehicleSpec { control_period: 0.05, ..VehicleSpec::default() }.build().unwrap();
         let corners = [[2.0, 2.0], [10.0, 2.0], [10.0, 10.0], [3.0, 14.0]];
         let route = Route::new(corners.map(Point::from).into());
         // It starts with its back to the route.

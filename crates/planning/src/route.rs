@@ -66,19 +66,12 @@ impl Route {
     /// ```
     #[must_use]
     pub fn at(&self, length: f64) -> Point {
-        let next = self
-            .lengths
-            .partition_point(|l| *l < length)
-            .clamp(1, self.points.len().max(2) - 1);
+        let next = self.lengths.partition_point(|l| *l < length).clamp(1, self.points.len().max(2) - 1);
         let [Some(a), Some(b)] = [self.points.get(next - 1), self.points.get(next)] else {
             return self.points[0];
         };
         let (from, to) = (self.lengths[next - 1], self.lengths[next]);
-        let share = if to > from {
-            ((length - from) / (to - from)).clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
+        let share = if to > from { ((length - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
         a + (b - a) * share
     }
 }

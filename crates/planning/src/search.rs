@@ -72,24 +72,11 @@ fn neighbours(map: &GridMap, (column, row): Cell) -> impl Iterator<Item = (Cell,
         let cell = (column.checked_add_signed(dx)?, row.checked_add_signed(dy)?);
         (cell.0 < n_x && cell.1 < n_y && !map.is_blocked(cell)).then_some(cell)
     };
-    let offsets = [
-        (1, 0),
-        (-1, 0),
-        (0, 1),
-        (0, -1),
-        (1, 1),
-        (1, -1),
-        (-1, 1),
-        (-1, -1),
-    ];
+    let offsets = [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)];
     offsets.into_iter().filter_map(move |(dx, dy)| {
         let cuts_a_corner = dx != 0 && dy != 0 && (at(dx, 0).is_none() || at(0, dy).is_none());
         let length = if dx != 0 && dy != 0 { SQRT_2 } else { 1.0 };
-        if cuts_a_corner {
-            None
-        } else {
-            at(dx, dy).map(|cell| (cell, length))
-        }
+        if cuts_a_corner { None } else { at(dx, dy).map(|cell| (cell, length)) }
     })
 }
 
@@ -109,9 +96,7 @@ fn straighten(map: &GridMap, points: &[Point]) -> Vec<Point> {
     let mut kept = vec![points[0]];
     let mut here = 0;
     while here + 1 < points.len() {
-        let farthest = (here + 2..points.len())
-            .take_while(|&k| map.sees(&points[here], &points[k]))
-            .last();
+        let farthest = (here + 2..points.len()).take_while(|&k| map.sees(&points[here], &points[k])).last();
         here = farthest.unwrap_or(here + 1);
         kept.push(points[here]);
     }
@@ -158,12 +143,8 @@ mod tests {
             let map = GridMap::from_world(&scenario.world, 0.25, 0.3);
             let from = map.cell_of(&scenario.start.translation.vector.into());
             let to = map.cell_of(&scenario.goal);
-            let length = search(&map, from, to).map(|cells| {
-                cells
-                    .windows(2)
-                    .map(|pair| heuristic(pair[0], pair[1]))
-                    .sum::<f64>()
-            });
+            let length = search(&map, from, to)
+                .map(|cells| cells.windows(2).map(|pair| heuristic(pair[0], pair[1])).sum::<f64>());
             let slow = slow_length(&map, from, to);
             assert!((length.unwrap() - slow.unwrap()).abs() < 1e-9);
         }
@@ -173,37 +154,13 @@ mod tests {
     fn goes_round_a_barrier_and_knows_when_it_cannot() {
         let barrier = |width| {
             let shape = Shape::Box { length: 0.2, width };
-            let obstacle = Obstacle {
-                shape,
-                x: 5.0,
-                y: width / 2.0,
-                yaw: 0.0,
-            };
-            World::new(
-                Room {
-                    width: 10.0,
-                    height: 10.0,
-                },
-                vec![obstacle],
-            )
-            .unwrap()
+            let obstacle = Obstacle { shape, x: 5.0, y: width / 2.0, yaw: 0.0 };
+            World::new(Room { width: 10.0, height: 10.0 }, vec![obstacle]).unwrap()
         };
         let (start, goal) = (Point::new(2.0, 2.0), Point::new(8.0, 2.0));
-        let route = plan(
-            &GridMap::from_world(&barrier(6.0), 0.1, 0.25),
-            &start,
-            &goal,
-        )
-        .unwrap();
+        let route = plan(&GridMap::from_world(&barrier(6.0), 0.1, 0.25), &start, &goal).unwrap();
         // Round the end of the barrier, (5 -+ 0.35, 6.25): 2 x hypot(2.65, 4.25) + 0.7 = 10.72 m at least.
         assert!((10.5..11.1).contains(&route.length()), "{}", route.length());
-        assert!(
-            plan(
-                &GridMap::from_world(&barrier(9.9), 0.1, 0.25),
-                &start,
-                &goal
-            )
-            .is_none()
-        );
+        assert!(plan(&GridMap::from_world(&barrier(9.9), 0.1, 0.25), &start, &goal).is_none());
     }
 }

@@ -10,9 +10,7 @@ fn act(c: &mut Criterion) {
     let header = Header::default();
     let sizes = [header.obs_dim().expect("valid"), 64, 64, 12];
     let layers = sizes.windows(2).map(|pair| Layer {
-        weight: (0..pair[0] * pair[1])
-            .map(|k| ((k % 17) as f32 - 8.0) * 0.02)
-            .collect(),
+        weight: (0..pair[0] * pair[1]).map(|k| ((k % 17) as f32 - 8.0) * 0.02).collect(),
         bias: vec![0.1; pair[1]],
     });
     let policy = Policy::new(header, layers.collect()).expect("sizes fit");

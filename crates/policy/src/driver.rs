@@ -27,13 +27,7 @@ impl Driver {
     pub fn new(policy: Arc<Policy>) -> Result<Self, PolicyError> {
         let (encoder, actions) = policy.header().build()?;
         let obs = vec![0.0; encoder.obs_dim()];
-        Ok(Self {
-            policy,
-            encoder,
-            actions,
-            obs,
-            buffers: Default::default(),
-        })
+        Ok(Self { policy, encoder, actions, obs, buffers: Default::default() })
     }
 
     /// The action of greatest value for an observation, the first of several.
@@ -55,11 +49,7 @@ impl Controller for Driver {
         if let Control::SpeedOnly(spec) = &self.policy.header().control {
             let here = Point::from(sensed.pose.translation.vector);
             let straight = || Route::new(vec![here, sensed.goal]);
-            let owned = if sensed.route.is_none() {
-                Some(straight())
-            } else {
-                None
-            };
+            let owned = if sensed.route.is_none() { Some(straight()) } else { None };
             if let Some(route) = sensed.route.or(owned.as_ref()) {
                 command.yaw_rate = spec.pursuit.yaw_rate(route, &sensed.pose, command.speed);
             }

@@ -27,20 +27,12 @@ impl Policy {
     /// # Errors
     /// [`PolicyError::Format`] if the header cannot be written as JSON.
     pub fn to_bytes(&self) -> Result<Vec<u8>, PolicyError> {
-        let metadata = Metadata {
-            format: FORMAT,
-            header: Cow::Borrowed(self.header()),
-        };
-        let json =
-            serde_json::to_string(&metadata).map_err(|e| PolicyError::Format(e.to_string()))?;
+        let metadata = Metadata { format: FORMAT, header: Cow::Borrowed(self.header()) };
+        let json = serde_json::to_string(&metadata).map_err(|e| PolicyError::Format(e.to_string()))?;
         let mut tensors = Vec::new();
         for (index, Layer { weight, bias }) in self.layers().iter().enumerate() {
             let n_inputs = weight.len() / bias.len();
-            tensors.push((
-                name(index, "weight"),
-                vec![bias.len(), n_inputs],
-                to_le_bytes(weight),
-            ));
+            tensors.push((name(index, "weight"), vec![bias.len(), n_inputs], to_le_bytes(weight)));
             tensors.push((name(index, "bias"), vec![bias.len()], to_le_bytes(bias)));
         }
         let views = tensors.iter().map(|(name, shape, bytes)| {
@@ -57,41 +49,26 @@ impl Policy {
     /// Says what is not as it must be.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, PolicyError> {
         let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(format_error)?;
-        let json = metadata
-            .metadata()
-            .as_ref()
-            .and_then(|entries| entries.get(KEY));
-        let json =
-            json.ok_or_else(|| PolicyError::Format(format!("its metadata have no entry `{KEY}`")))?;
+        let json = metadata.metadata().as_ref().and_then(|entries| entries.get(KEY));
+        let json = json.ok_or_else(|| PolicyError::Format(format!("its metadata have no entry `{KEY}`")))?;
         #[derive(Deserialize)]
         struct Version {
             format: u32,
         }
-        let bad_json =
-            |e: serde_json::Error| PolicyError::Format(format!("its metadata `{KEY}`: {e}"));
+        let bad_json = |e: serde_json::Error| PolicyError::Format(format!("its metadata `{KEY}`: {e}"));
         let Version { format } = serde_json::from_str(json).map_err(bad_json)?;
         if format != FORMAT {
-            let message =
-                format!("its format is version {format}, this program reads version {FORMAT}");
+            let message = format!("its format is version {format}, this program reads version {FORMAT}");
             return Err(PolicyError::Format(message));
         }
         let Metadata { header, .. } = serde_json::from_str(json).map_err(bad_json)?;
         let tensors = SafeTensors::deserialize(bytes).map_err(format_error)?;
         let n_layers = tensors.len() / 2;
         let read = |index| {
-            let [weight, bias] =
-                ["weight", "bias"].map(|part| read_f32(&tensors, &name(index, part)));
-            Ok(Layer {
-                weight: weight?,
-                bias: bias?,
-            })
+            let [weight, bias] = ["weight", "bias"].map(|part| read_f32(&tensors, &name(index, part)));
+            Ok(Layer { weight: weight?, bias: bias? })
         };
-        Self::new(
-            header.into_owned(),
-            (0..n_layers)
-                .map(read)
-                .collect::<Result<_, PolicyError>>()?,
-        )
+        Self::new(header.into_owned(), (0..n_layers).map(read).collect::<Result<_, PolicyError>>()?)
     }
 
     /// Writes the policy to a file, whole or not at all.
@@ -101,10 +78,7 @@ impl Policy {
     pub fn save(&self, path: &Path) -> Result<(), PolicyError> {
         let bytes = self.to_bytes()?;
         let partial = path.with_extension("partial");
-        let io = |source| PolicyError::Io {
-            path: path.display().to_string(),
-            source,
-        };
+        let io = |source| PolicyError::Io { path: path.display().to_string(), source };
         std::fs::write(&partial, bytes).map_err(io)?;
         std::fs::rename(&partial, path).map_err(io)
     }
@@ -114,14 +88,9 @@ impl Policy {
     /// # Errors
     /// Names the file and says what is not as it must be.
     pub fn load(path: &Path) -> Result<Self, PolicyError> {
-        let io = |source| PolicyError::Io {
-            path: path.display().to_string(),
-            source,
-        };
+        let io = |source| PolicyError::Io { path: path.display().to_string(), source };
         Self::from_bytes(&std::fs::read(path).map_err(io)?).map_err(|error| match error {
-            PolicyError::Format(message) => {
-                PolicyError::Format(format!("{}: {message}", path.display()))
-            }
+            PolicyError::Format(message) => PolicyError::Format(format!("{}: {message}", path.display())),
             other => other,
         })
     }
@@ -136,22 +105,14 @@ fn format_error(error: safetensors::SafeTensorError) -> PolicyError {
 }
 
 fn to_le_bytes(values: &[f32]) -> Vec<u8> {
-    values
-        .iter()
-        .flat_map(|value| value.to_le_bytes())
-        .collect()
+    values.iter().flat_map(|value| value.to_le_bytes()).collect()
 }
 
 fn read_f32(tensors: &SafeTensors<'_>, name: &str) -> Result<Vec<f32>, PolicyError> {
     let tensor = tensors.tensor(name).map_err(format_error)?;
     if tensor.dtype() != Dtype::F32 {
-        return Err(PolicyError::Format(format!(
-            "tensor {name} is of {:?}, must be F32",
-            tensor.dtype()
-        )));
+        return Err(PolicyError::Format(format!("tensor {name} is of {:?}, must be F32", tensor.dtype())));
     }
     let words = tensor.data().chunks_exact(4);
-    Ok(words
-        .map(|word| f32::from_le_bytes([word[0], word[1], word[2], word[3]]))
-        .collect())
+    Ok(words.map(|word| f32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect())
 }

@@ -45,9 +45,7 @@ impl Header {
         let vehicle = self.vehicle.build().map_err(|e| e.under("vehicle"))?;
         let lidar = self.lidar.build().map_err(|e| e.under("lidar"))?;
         let encoder = Encoder::new(self.observation, &lidar, &self.vehicle, vehicle.footprint());
-        let actions = self
-            .actions
-            .build(&self.vehicle, &self.control, self.observation.mirror);
+        let actions = self.actions.build(&self.vehicle, &self.control, self.observation.mirror);
         Ok((encoder, actions.map_err(|e| e.under("actions"))?))
     }
 
@@ -69,8 +67,7 @@ fn compare(path: &str, own: &Value, other: &Value, differences: &mut Vec<String>
     match (own, other) {
         (Value::Object(own), Value::Object(other)) => {
             let missing = Value::Null;
-            let keys: std::collections::BTreeSet<&String> =
-                own.keys().chain(other.keys()).collect();
+            let keys: std::collections::BTreeSet<&String> = own.keys().chain(other.keys()).collect();
             for key in keys {
                 let [a, b] = [own, other].map(|map| map.get(key).unwrap_or(&missing));
                 compare(&format!("{path}/{key}"), a, b, differences);
@@ -79,17 +76,9 @@ fn compare(path: &str, own: &Value, other: &Value, differences: &mut Vec<String>
         _ => {
             let place = path.trim_start_matches('/').replace('/', ".");
             let words = |value: &Value| {
-                if value.is_null() {
-                    "absent".to_owned()
-                } else {
-                    value.to_string()
-                }
+                if value.is_null() { "absent".to_owned() } else { value.to_string() }
             };
-            differences.push(format!(
-                "{place} is {} in the policy, {} here",
-                words(own),
-                words(other)
-            ));
+            differences.push(format!("{place} is {} in the policy, {} here", words(own), words(other)));
         }
     }
 }

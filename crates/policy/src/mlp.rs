@@ -34,38 +34,18 @@ impl Policy {
         let mut n_inputs = encoder.obs_dim();
         let mut columns = Vec::with_capacity(layers.len());
         for (index, Layer { weight, bias }) in layers.iter().enumerate() {
-            check(
-                format!("weights of layer {index}"),
-                weight.len(),
-                n_inputs * bias.len(),
-            )?;
+            check(format!("weights of layer {index}"), weight.len(), n_inputs * bias.len())?;
             if bias.is_empty() {
-                return Err(PolicyError::Shape {
-                    what: format!("outputs of layer {index}"),
-                    found: 0,
-                    expected: 1,
-                });
+                return Err(PolicyError::Shape { what: format!("outputs of layer {index}"), found: 0, expected: 1 });
             }
             if !weight.iter().chain(bias).all(|x| x.is_finite()) {
                 return Err(PolicyError::NotFinite { layer: index });
             }
-            columns.push(
-                (0..weight.len())
-                    .map(|k| weight[k % bias.len() * n_inputs + k / bias.len()])
-                    .collect(),
-            );
+            columns.push((0..weight.len()).map(|k| weight[k % bias.len() * n_inputs + k / bias.len()]).collect());
             n_inputs = bias.len();
         }
-        check(
-            "outputs of the last layer".to_owned(),
-            n_inputs,
-            actions.len(),
-        )?;
-        Ok(Self {
-            header,
-            layers,
-            columns,
-        })
+        check("outputs of the last layer".to_owned(), n_inputs, actions.len())?;
+        Ok(Self { header, layers, columns })
     }
 
     /// What its inputs and outputs mean.
@@ -87,11 +67,7 @@ impl Policy {
     /// Lists every number that differs.
     pub fn check(&self, vehicle: &VehicleSpec, lidar: &LidarSpec) -> Result<(), PolicyError> {
         let differences = self.header.differences(vehicle, lidar);
-        if differences.is_empty() {
-            Ok(())
-        } else {
-            Err(PolicyError::Mismatch { differences })
-        }
+        if differences.is_empty() { Ok(()) } else { Err(PolicyError::Mismatch { differences }) }
     }
 
     /// The value of every action, shape `[n_actions]`, for one observation, shape `[obs_dim]`. `buffers` are
@@ -104,11 +80,7 @@ impl Policy {
         input.clear();
         input.extend_from_slice(obs);
         for (index, (layer, columns)) in self.layers.iter().zip(&self.columns).enumerate() {
-            assert_eq!(
-                input.len() * layer.bias.len(),
-                columns.len(),
-                "the observation's length"
-            );
+            assert_eq!(input.len() * layer.bias.len(), columns.len(), "the observation's length");
             output.clear();
             output.extend_from_slice(&layer.bias);
             for (x, column) in input.iter().zip(columns.chunks_exact(layer.bias.len())) {
@@ -136,15 +108,7 @@ pub(crate) fn argmax(values: &[f32]) -> u32 {
 }
 
 fn check(what: String, found: usize, expected: usize) -> Result<(), PolicyError> {
-    if found == expected {
-        Ok(())
-    } else {
-        Err(PolicyError::Shape {
-            what,
-            found,
-            expected,
-        })
-    }
+    if found == expected { Ok(()) } else { Err(PolicyError::Shape { what, found, expected }) }
 }
 
 #[cfg(test)]
@@ -153,19 +117,9 @@ mod tests {
 
     /// Two layers with weights that follow a rule, 42 inputs.
     fn policy() -> Policy {
-        let rule = |n: usize, scale: f32| {
-            (0..n)
-                .map(|k| scale * ((k * 37 % 101) as f32 - 50.0))
-                .collect::<Vec<_>>()
-        };
-        let hidden = Layer {
-            weight: rule(5 * 42, 0.01),
-            bias: rule(5, 0.02),
-        };
-        let last = Layer {
-            weight: rule(12 * 5, 0.03),
-            bias: rule(12, 0.04),
-        };
+        let rule = |n: usize, scale: f32| (0..n).map(|k| scale * ((k * 37 % 101) as f32 - 50.0)).collect::<Vec<_>>();
+        let hidden = Layer { weight: rule(5 * 42, 0.01), bias: rule(5, 0.02) };
+        let last = Layer { weight: rule(12 * 5, 0.03), bias: rule(12, 0.04) };
         Policy::new(Header::default(), vec![hidden, last]).unwrap()
     }
 
@@ -176,21 +130,9 @@ mod tests {
         let mut x: Vec<f64> = obs.iter().copied().map(f64::from).collect();
         for (index, layer) in policy.layers().iter().enumerate() {
             let row = |j: usize| &layer.weight[j * x.len()..(j + 1) * x.len()];
-            let dot = |j: usize| {
-                row(j)
-                    .iter()
-                    .zip(&x)
-                    .map(|(w, x)| f64::from(*w) * x)
-                    .sum::<f64>()
-            };
-            let y: Vec<f64> = (0..layer.bias.len())
-                .map(|j| dot(j) + f64::from(layer.bias[j]))
-                .collect();
-            x = if index == 0 {
-                y.into_iter().map(|y| y.max(0.0)).collect()
-            } else {
-                y
-            };
+            let dot = |j: usize| row(j).iter().zip(&x).map(|(w, x)| f64::from(*w) * x).sum::<f64>();
+            let y: Vec<f64> = (0..layer.bias.len()).map(|j| dot(j) + f64::from(layer.bias[j])).collect();
+            x = if index == 0 { y.into_iter().map(|y| y.max(0.0)).collect() } else { y };
         }
         let mut buffers = Default::default();
         let values = policy.values(&obs, &mut buffers);
@@ -206,32 +148,16 @@ mod tests {
             weight: vec![0.0; n_inputs * n_outputs],
             bias: vec![0.0; n_outputs],
         };
-        let refused = |layers| {
-            Policy::new(Header::default(), layers)
-                .unwrap_err()
-                .to_string()
-        };
-        assert_eq!(
-            refused(vec![layer(41, 12)]),
-            "weights of layer 0: found 492, must be 504"
-        );
-        assert_eq!(
-            refused(vec![layer(42, 11)]),
-            "outputs of the last layer: found 11, must be 12"
-        );
+        let refused = |layers| Policy::new(Header::default(), layers).unwrap_err().to_string();
+        assert_eq!(refused(vec![layer(41, 12)]), "weights of layer 0: found 492, must be 504");
+        assert_eq!(refused(vec![layer(42, 11)]), "outputs of the last layer: found 11, must be 12");
         let mut broken = layer(42, 12);
         broken.weight[7] = f32::NAN;
-        assert_eq!(
-            refused(vec![broken]),
-            "layer 0 holds a weight that is not a finite number"
-        );
+        assert_eq!(refused(vec![broken]), "layer 0 holds a weight that is not a finite number");
         let mut header = Header::default();
         header.lidar.n_beams = 0;
         let message = Policy::new(header, vec![]).unwrap_err().to_string();
-        assert_eq!(
-            message,
-            "the policy's header: lidar.n_beams = 0: must be 1 or more"
-        );
+        assert_eq!(message, "the policy's header: lidar.n_beams = 0: must be 1 or more");
     }
 
     #[test]

@@ -45,9 +45,7 @@ pub enum RewardError {
     },
 
     /// A reward cannot be loaded from its name alone.
-    #[error(
-        "`type = \"{tag}\"` alone does not load: {reason}; give the reward `Default` and `#[serde(default)]`"
-    )]
+    #[error("`type = \"{tag}\"` alone does not load: {reason}; give the reward `Default` and `#[serde(default)]`")]
     NoDefault {
         /// The reward's name.
         tag: String,
@@ -126,21 +124,8 @@ impl RewardError {
     ///
     /// # Errors
     /// [`RewardError::Field`] where `ok` is false.
-    pub fn require(
-        ok: bool,
-        field: &'static str,
-        value: f64,
-        allowed: &'static str,
-    ) -> Result<(), Self> {
-        if ok {
-            Ok(())
-        } else {
-            Err(Self::Field {
-                field,
-                value,
-                allowed,
-            })
-        }
+    pub fn require(ok: bool, field: &'static str, value: f64, allowed: &'static str) -> Result<(), Self> {
+        if ok { Ok(()) } else { Err(Self::Field { field, value, allowed }) }
     }
 
     /// `Ok` where `value` is finite, else the [`Field`](Self::Field) error.

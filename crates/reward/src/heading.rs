@@ -30,21 +30,10 @@ mod tests {
 
     #[test]
     fn cosines_by_hand() {
-        for (goal_bearing, expected) in [
-            (0.0, 1.0),
-            (FRAC_PI_3, 0.5),
-            (-FRAC_PI_3, 0.5),
-            (FRAC_PI_2, 0.0),
-            (PI, -1.0),
-        ] {
-            let after = State {
-                goal_bearing,
-                ..State::default()
-            };
-            let paid = Heading {}.reward(&Transition {
-                after,
-                ..Transition::default()
-            });
+        for (goal_bearing, expected) in [(0.0, 1.0), (FRAC_PI_3, 0.5), (-FRAC_PI_3, 0.5), (FRAC_PI_2, 0.0), (PI, -1.0)]
+        {
+            let after = State { goal_bearing, ..State::default() };
+            let paid = Heading {}.reward(&Transition { after, ..Transition::default() });
             assert!((paid - expected).abs() < 1e-12, "{goal_bearing}: {paid}");
         }
     }

@@ -36,12 +36,7 @@ impl Reward for Progress {
 
     fn validate(&self) -> Result<(), RewardError> {
         let cap = self.speed_cap.unwrap_or(1.0);
-        RewardError::require(
-            cap.is_finite() && cap > 0.0,
-            "speed_cap",
-            cap,
-            "positive and finite",
-        )
+        RewardError::require(cap.is_finite() && cap > 0.0, "speed_cap", cap, "positive and finite")
     }
 }
 
@@ -51,10 +46,7 @@ mod tests {
     use crate::{Event, State};
 
     fn pay(reward: &Progress, before: f64, after: f64) -> f64 {
-        let at = |goal_distance| State {
-            goal_distance,
-            ..State::default()
-        };
+        let at = |goal_distance| State { goal_distance, ..State::default() };
         reward.reward(&Transition {
             before: at(before),
             after: at(after),
@@ -73,9 +65,7 @@ mod tests {
 
     #[test]
     fn the_cap_bounds_gain_but_not_loss() {
-        let capped = Progress {
-            speed_cap: Some(1.0),
-        };
+        let capped = Progress { speed_cap: Some(1.0) };
         assert_eq!(pay(&capped, 4.0, 3.25), 0.5);
         assert_eq!(pay(&capped, 4.0, 3.75), 0.25);
         assert_eq!(pay(&capped, 3.0, 4.0), -1.0);
@@ -83,14 +73,7 @@ mod tests {
 
     #[test]
     fn validate_names_the_field() {
-        let error = Progress {
-            speed_cap: Some(0.0),
-        }
-        .validate()
-        .unwrap_err();
-        assert_eq!(
-            error.to_string(),
-            "speed_cap = 0: must be positive and finite"
-        );
+        let error = Progress { speed_cap: Some(0.0) }.validate().unwrap_err();
+        assert_eq!(error.to_string(), "speed_cap = 0: must be positive and finite");
     }
 }

@@ -36,12 +36,7 @@ impl Reward for Proximity {
 
     fn validate(&self) -> Result<(), RewardError> {
         let margin = self.margin;
-        RewardError::require(
-            margin.is_finite() && margin > 0.0,
-            "margin",
-            margin,
-            "positive and finite",
-        )
+        RewardError::require(margin.is_finite() && margin > 0.0, "margin", margin, "positive and finite")
     }
 }
 
@@ -51,14 +46,8 @@ mod tests {
     use crate::State;
 
     fn pay(clearance: f64) -> f64 {
-        let after = State {
-            clearance,
-            ..State::default()
-        };
-        Proximity { margin: 0.5 }.reward(&Transition {
-            after,
-            ..Transition::default()
-        })
+        let after = State { clearance, ..State::default() };
+        Proximity { margin: 0.5 }.reward(&Transition { after, ..Transition::default() })
     }
 
     #[test]

@@ -34,11 +34,7 @@ pub struct R {
 impl Default for R {
     /// The paper's numbers.
     fn default() -> Self {
-        Self {
-            no_collision: 10.0,
-            collision: -100.0,
-            reach: 100.0,
-        }
+        Self { no_collision: 10.0, collision: -100.0, reach: 100.0 }
     }
 }
 
@@ -64,10 +60,7 @@ mod tests {
     use super::*;
 
     fn pay(event: Option<Event>) -> f64 {
-        R::default().reward(&Transition {
-            event,
-            ..Transition::default()
-        })
+        R::default().reward(&Transition { event, ..Transition::default() })
     }
 
     #[test]
@@ -79,13 +72,7 @@ mod tests {
 
     #[test]
     fn validate_names_the_field() {
-        let reward = R {
-            reach: f64::NAN,
-            ..R::default()
-        };
-        assert_eq!(
-            reward.validate().unwrap_err().to_string(),
-            "reach = NaN: must be finite"
-        );
+        let reward = R { reach: f64::NAN, ..R::default() };
+        assert_eq!(reward.validate().unwrap_err().to_string(), "reach = NaN: must be finite");
     }
 }

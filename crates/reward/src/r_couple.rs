@@ -94,18 +94,8 @@ impl Reward for RCouple {
         RewardError::require_finite("front", self.front)?;
         RewardError::require_finite("otherwise", self.otherwise)?;
         let (angle, width) = (self.angle_threshold, self.speed_width);
-        RewardError::require(
-            (0.0..=PI).contains(&angle),
-            "angle_threshold",
-            angle,
-            "in [0, pi] rad",
-        )?;
-        RewardError::require(
-            width.is_finite() && width > 0.0,
-            "speed_width",
-            width,
-            "positive and finite",
-        )
+        RewardError::require((0.0..=PI).contains(&angle), "angle_threshold", angle, "in [0, pi] rad")?;
+        RewardError::require(width.is_finite() && width > 0.0, "speed_width", width, "positive and finite")
     }
 }
 
@@ -114,16 +104,8 @@ mod tests {
     use super::*;
 
     fn pay(speed: f64, obstacle_angle: Option<f64>, event: Option<Event>) -> f64 {
-        let after = State {
-            speed,
-            obstacle_angle,
-            ..State::default()
-        };
-        RCouple::default().reward(&Transition {
-            after,
-            event,
-            ..Transition::default()
-        })
+        let after = State { speed, obstacle_angle, ..State::default() };
+        RCouple::default().reward(&Transition { after, event, ..Transition::default() })
     }
 
     fn assert_close(value: f64, expected: f64) {
@@ -166,15 +148,8 @@ mod tests {
 
     #[test]
     fn only_the_state_after_the_step_counts() {
-        let busy = State {
-            speed: 1.2,
-            obstacle_angle: Some(2.0),
-            ..State::default()
-        };
-        let step = Transition {
-            before: busy,
-            ..Transition::default()
-        };
+        let busy = State { speed: 1.2, obstacle_angle: Some(2.0), ..State::default() };
+        let step = Transition { before: busy, ..Transition::default() };
         assert_eq!(RCouple::default().reward(&step), 10.0);
     }
 
@@ -190,16 +165,8 @@ mod tests {
             speed_width: 0.25,
         };
         let pay = |obstacle_angle, event| {
-            let after = State {
-                speed: 1.0,
-                obstacle_angle,
-                ..State::default()
-            };
-            reward.reward(&Transition {
-                after,
-                event,
-                ..Transition::default()
-            })
+            let after = State { speed: 1.0, obstacle_angle, ..State::default() };
+            reward.reward(&Transition { after, event, ..Transition::default() })
         };
         // g = exp(-0.25 / 0.25) = 0.36788
         assert_eq!(pay(Some(0.9), Some(Event::Collision)), -1.0);
@@ -211,18 +178,9 @@ mod tests {
     #[test]
     fn validate_names_the_field() {
         let error = |reward: RCouple| reward.validate().unwrap_err().to_string();
-        let flat = RCouple {
-            speed_width: 0.0,
-            ..RCouple::default()
-        };
-        let degrees = RCouple {
-            angle_threshold: 30.0,
-            ..RCouple::default()
-        };
+        let flat = RCouple { speed_width: 0.0, ..RCouple::default() };
+        let degrees = RCouple { angle_threshold: 30.0, ..RCouple::default() };
         assert_eq!(error(flat), "speed_width = 0: must be positive and finite");
-        assert_eq!(
-            error(degrees),
-            "angle_threshold = 30: must be in [0, pi] rad"
-        );
+        assert_eq!(error(degrees), "angle_threshold = 30: must be in [0, pi] rad");
     }
 }

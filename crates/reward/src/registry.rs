@@ -57,25 +57,16 @@ pub fn check_tag(tag: &str) -> Result<(), RewardError> {
 
 fn unknown(tag: &str, mut known: Vec<&'static str>) -> RewardError {
     known.dedup();
-    RewardError::Unknown {
-        tag: tag.to_owned(),
-        known,
-    }
+    RewardError::Unknown { tag: tag.to_owned(), known }
 }
 
 fn entry(tag: &'static str) -> Entry {
-    Entry {
-        tag,
-        default: default_of(tag).map(Arc::from),
-    }
+    Entry { tag, default: default_of(tag).map(Arc::from) }
 }
 
 /// The reward that `{ type = tag }` alone loads.
 pub(crate) fn default_of(tag: &str) -> Result<Box<dyn Reward>, RewardError> {
-    load(tag).map_err(|error| RewardError::NoDefault {
-        tag: tag.to_owned(),
-        reason: error.to_string(),
-    })
+    load(tag).map_err(|error| RewardError::NoDefault { tag: tag.to_owned(), reason: error.to_string() })
 }
 
 /// All registered tags, sorted; one that is registered twice occurs twice.

@@ -62,11 +62,6 @@ pub struct Limits {
 impl Default for Limits {
     /// A small indoor robot: 1.5 m/s, 1.5 rad/s, 2 m/s², 6 rad/s².
     fn default() -> Self {
-        Self {
-            max_speed: 1.5,
-            max_yaw_rate: 1.5,
-            max_acceleration: 2.0,
-            max_yaw_acceleration: 6.0,
-        }
+        Self { max_speed: 1.5, max_yaw_rate: 1.5, max_acceleration: 2.0, max_yaw_acceleration: 6.0 }
     }
 }

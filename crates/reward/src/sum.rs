@@ -59,26 +59,19 @@ impl Sum {
 impl Reward for Sum {
     fn reward(&self, t: &Transition<'_>) -> f64 {
         // A fold from 0.0, since std's sum of no floats is -0.0.
-        self.terms
-            .iter()
-            .fold(0.0, |sum, term| sum + term.weight * term.reward.reward(t))
+        self.terms.iter().fold(0.0, |sum, term| sum + term.weight * term.reward.reward(t))
     }
 
     /// The sum of its terms' versions. Versions only rise, so for given terms it changes whenever one of theirs does.
     fn version(&self) -> u32 {
-        self.terms
-            .iter()
-            .fold(0, |sum, term| sum.saturating_add(term.reward.version()))
+        self.terms.iter().fold(0, |sum, term| sum.saturating_add(term.reward.version()))
     }
 
     fn validate(&self) -> Result<(), RewardError> {
         for (index, term) in self.terms.iter().enumerate() {
             RewardError::require_finite("weight", term.weight)
                 .and_then(|()| term.reward.validate())
-                .map_err(|error| RewardError::Term {
-                    index,
-                    source: Box::new(error),
-                })?;
+                .map_err(|error| RewardError::Term { index, source: Box::new(error) })?;
         }
         Ok(())
     }
@@ -92,10 +85,7 @@ mod tests {
     #[test]
     fn weights_and_terms_by_hand() {
         // 0.5 x 10 (no collision) + 2 x 1 (facing the goal) - 10 x 0.2 s
-        let sum = Sum::default()
-            .with(0.5, R::default())
-            .with(2.0, Heading {})
-            .with(-10.0, Time {});
+        let sum = Sum::default().with(0.5, R::default()).with(2.0, Heading {}).with(-10.0, Time {});
         assert_eq!(sum.reward(&Transition::default()), 5.0);
     }
 
@@ -109,9 +99,7 @@ mod tests {
     #[test]
     fn sums_nest() {
         let inner = Sum::default().with(3.0, R::default());
-        let outer = Sum::default()
-            .with(2.0, inner)
-            .with(1.0, RCouple::default());
+        let outer = Sum::default().with(2.0, inner).with(1.0, RCouple::default());
         assert_eq!(outer.reward(&Transition::default()), 70.0);
         assert_eq!(outer.version(), 2);
     }
@@ -121,15 +109,9 @@ mod tests {
         let inner = Sum::default().with(1.0, Proximity { margin: -1.0 });
         let outer = Sum::default().with(1.0, R::default()).with(1.0, inner);
         let error = outer.validate().unwrap_err().to_string();
-        assert_eq!(
-            error,
-            "terms[1]: terms[0]: margin = -1: must be positive and finite"
-        );
+        assert_eq!(error, "terms[1]: terms[0]: margin = -1: must be positive and finite");
 
-        let error = Sum::default()
-            .with(f64::NAN, R::default())
-            .validate()
-            .unwrap_err();
+        let error = Sum::default().with(f64::NAN, R::default()).validate().unwrap_err();
         assert_eq!(error.to_string(), "terms[0]: weight = NaN: must be finite");
     }
 }

@@ -51,20 +51,12 @@ fn pay(reward: &dyn Reward, cases: &[Transition<'_>]) -> Result<Vec<f64>, Reward
 }
 
 /// Asks again backwards, so that a reward that remembers the last step, or counts, is caught.
-fn check_pure(
-    reward: &dyn Reward,
-    cases: &[Transition<'_>],
-    paid: &[f64],
-) -> Result<(), RewardError> {
+fn check_pure(reward: &dyn Reward, cases: &[Transition<'_>], paid: &[f64]) -> Result<(), RewardError> {
     for (index, (case, &first)) in cases.iter().zip(paid).enumerate().rev() {
         let second = reward.reward(case);
         if first != second {
             let case = describe(index, case);
-            return Err(RewardError::NotPure {
-                first,
-                second,
-                case,
-            });
+            return Err(RewardError::NotPure { first, second, case });
         }
     }
     Ok(())
@@ -76,23 +68,16 @@ fn check_round_trip(
     cases: &[Transition<'_>],
     paid: &[f64],
 ) -> Result<(), RewardError> {
-    let copy =
-        load(spec.clone()).map_err(|error| serde_failed("read back from its spec", error))?;
+    let copy = load(spec.clone()).map_err(|error| serde_failed("read back from its spec", error))?;
     for (index, (case, &original)) in cases.iter().zip(paid).enumerate() {
         let reloaded = copy.reward(case);
         if original != reloaded {
             let case = describe(index, case);
-            return Err(RewardError::RoundTrip {
-                original,
-                reloaded,
-                case,
-            });
+            return Err(RewardError::RoundTrip { original, reloaded, case });
         }
     }
     match (reward.version(), copy.version()) {
-        (original, reloaded) if original != reloaded => {
-            Err(RewardError::Version { original, reloaded })
-        }
+        (original, reloaded) if original != reloaded => Err(RewardError::Version { original, reloaded }),
         _ => Ok(()),
     }
 }
@@ -118,10 +103,7 @@ fn load(spec: Value) -> Result<Box<dyn Reward>, impl ToString> {
 }
 
 fn serde_failed(what: &'static str, reason: impl ToString) -> RewardError {
-    RewardError::Serde {
-        what,
-        reason: reason.to_string(),
-    }
+    RewardError::Serde { what, reason: reason.to_string() }
 }
 
 /// What tells one of [`transitions`] from the others.

@@ -29,10 +29,7 @@ mod tests {
     fn a_second_pays_one_in_any_number_of_steps() {
         for n_steps in [1_u32, 5, 20] {
             let dt = 1.0 / f64::from(n_steps);
-            let step = Transition {
-                dt,
-                ..Transition::default()
-            };
+            let step = Transition { dt, ..Transition::default() };
             let total: f64 = (0..n_steps).map(|_| Time {}.reward(&step)).sum();
             assert!((total - 1.0).abs() < 1e-12, "{n_steps} steps: {total}");
         }

@@ -54,11 +54,7 @@ impl<'de> Deserializer<'de> for Value {
         }
     }
 
-    fn deserialize_newtype_struct<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        visitor: V,
-    ) -> Result<V::Value, SerdeError> {
+    fn deserialize_newtype_struct<V: Visitor<'de>>(self, _: &'static str, visitor: V) -> Result<V::Value, SerdeError> {
         visitor.visit_newtype_struct(self)
     }
 
@@ -126,15 +122,7 @@ mod tests {
             newtype: Metres(2.5),
             tuple: (1.0, false),
             map: BTreeMap::from([("a".to_owned(), -1)]),
-            shapes: vec![
-                Shape::Point,
-                Shape::Disc(0.3),
-                Shape::Pair(1, -2),
-                Shape::Box {
-                    length: 0.5,
-                    width: None,
-                },
-            ],
+            shapes: vec![Shape::Point, Shape::Disc(0.3), Shape::Pair(1, -2), Shape::Box { length: 0.5, width: None }],
         }
     }
 
@@ -146,9 +134,7 @@ mod tests {
 
     #[test]
     fn an_absent_option_leaves_its_key_out() {
-        let Value::Map(entries) = to_value(&everything()).unwrap() else {
-            unreachable!("a struct is a map")
-        };
+        let Value::Map(entries) = to_value(&everything()).unwrap() else { unreachable!("a struct is a map") };
         assert!(entries.iter().all(|(key, _)| key != "none"));
         assert_eq!(entries.len(), 9);
     }
@@ -156,14 +142,8 @@ mod tests {
     #[test]
     fn what_toml_cannot_hold_is_refused() {
         let error = |result: Result<Value, SerdeError>| result.unwrap_err().to_string();
-        assert_eq!(
-            error(to_value(&u64::MAX)),
-            "18446744073709551615 does not fit an integer"
-        );
-        assert_eq!(
-            error(to_value(&[None::<f64>])),
-            "a sequence cannot hold nothing"
-        );
+        assert_eq!(error(to_value(&u64::MAX)), "18446744073709551615 does not fit an integer");
+        assert_eq!(error(to_value(&[None::<f64>])), "a sequence cannot hold nothing");
         assert_eq!(error(to_value(&())), "a spec cannot hold a unit");
         let keyed = BTreeMap::from([(1, 2)]);
         assert_eq!(error(to_value(&keyed)), "a key must be a string");

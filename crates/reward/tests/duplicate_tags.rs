@@ -32,10 +32,7 @@ fn the_registry_reports_them() {
 
 #[test]
 fn the_tag_is_refused_and_the_others_are_not() {
-    assert_eq!(
-        check_tag("same"),
-        Err(RewardError::Duplicate { tag: "same" })
-    );
+    assert_eq!(check_tag("same"), Err(RewardError::Duplicate { tag: "same" }));
     assert_eq!(check_tag("r"), Ok(()));
 }
 

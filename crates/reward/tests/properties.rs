@@ -1,8 +1,6 @@
 //! What holds for any transition whatever.
 
-use headway_reward::{
-    Event, Heading, Limits, Progress, Proximity, R, RCouple, Reward, State, Sum, Time, Transition,
-};
+use headway_reward::{Event, Heading, Limits, Progress, Proximity, R, RCouple, Reward, State, Sum, Time, Transition};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -10,12 +8,7 @@ use std::sync::Arc;
 fn rewards() -> Vec<Arc<dyn Reward>> {
     let sum = Sum::default()
         .with(1.0, RCouple::default())
-        .with(
-            50.0,
-            Progress {
-                speed_cap: Some(1.2),
-            },
-        )
+        .with(50.0, Progress { speed_cap: Some(1.2) })
         .with(-5.0, Proximity::default());
     vec![
         Arc::new(R::default()),
@@ -56,17 +49,8 @@ prop_compose! {
 
 /// The same step in a mirror: left is right.
 fn mirrored(t: &Transition<'static>) -> Transition<'static> {
-    let mirror = |s: State<'static>| State {
-        yaw_rate: -s.yaw_rate,
-        goal_bearing: -s.goal_bearing,
-        ..s
-    };
-    Transition {
-        before: mirror(t.before),
-        after: mirror(t.after),
-        command_yaw_rate: -t.command_yaw_rate,
-        ..*t
-    }
+    let mirror = |s: State<'static>| State { yaw_rate: -s.yaw_rate, goal_bearing: -s.goal_bearing, ..s };
+    Transition { before: mirror(t.before), after: mirror(t.after), command_yaw_rate: -t.command_yaw_rate, ..*t }
 }
 
 proptest! {

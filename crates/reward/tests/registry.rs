@@ -2,15 +2,7 @@
 
 use headway_reward::{RewardError, check_tag, registry, testing};
 
-const TAGS: [&str; 7] = [
-    "heading",
-    "progress",
-    "proximity",
-    "r",
-    "r_couple",
-    "sum",
-    "time",
-];
+const TAGS: [&str; 7] = ["heading", "progress", "proximity", "r", "r_couple", "sum", "time"];
 
 #[test]
 fn lists_our_rewards_sorted() {
@@ -21,17 +13,10 @@ fn lists_our_rewards_sorted() {
 #[test]
 fn shows_the_default_fields() {
     let show = |tag| {
-        let entry = registry()
-            .unwrap()
-            .into_iter()
-            .find(|entry| entry.tag == tag)
-            .unwrap();
+        let entry = registry().unwrap().into_iter().find(|entry| entry.tag == tag).unwrap();
         toml::to_string(&*entry.default.unwrap()).unwrap()
     };
-    assert_eq!(
-        show("r"),
-        "type = \"r\"\nno_collision = 10.0\ncollision = -100.0\nreach = 100.0\n"
-    );
+    assert_eq!(show("r"), "type = \"r\"\nno_collision = 10.0\ncollision = -100.0\nreach = 100.0\n");
     assert_eq!(
         show("r_couple"),
         "type = \"r_couple\"\ndesired_speed = 1.2\ncollision = -100.0\nside = 20.0\nfront = 10.0\notherwise = 10.0\n\
@@ -44,12 +29,7 @@ fn shows_the_default_fields() {
 #[test]
 fn every_default_passes_the_checks() {
     for entry in registry().unwrap() {
-        assert_eq!(
-            testing::check(&*entry.default.unwrap()),
-            Ok(()),
-            "{}",
-            entry.tag
-        );
+        assert_eq!(testing::check(&*entry.default.unwrap()), Ok(()), "{}", entry.tag);
     }
 }
 
@@ -63,13 +43,7 @@ fn a_known_tag_passes() {
 #[test]
 fn an_unknown_tag_lists_the_known_ones_and_says_what_plugins_need() {
     let error = check_tag("smooth/needless_braking").unwrap_err();
-    assert_eq!(
-        error,
-        RewardError::Unknown {
-            tag: "smooth/needless_braking".to_owned(),
-            known: TAGS.to_vec(),
-        }
-    );
+    assert_eq!(error, RewardError::Unknown { tag: "smooth/needless_braking".to_owned(), known: TAGS.to_vec() });
     assert_eq!(
         error.to_string(),
         "unknown reward `smooth/needless_braking`: this binary knows heading, progress, proximity, r, r_couple, sum, \

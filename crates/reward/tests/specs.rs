@@ -12,9 +12,7 @@ struct Spec {
 }
 
 fn parse(text: &str) -> Result<Arc<dyn Reward>, String> {
-    toml::from_str(text)
-        .map(|spec: Spec| spec.reward)
-        .map_err(|error| error.to_string())
+    toml::from_str(text).map(|spec: Spec| spec.reward).map_err(|error| error.to_string())
 }
 
 fn error(text: &str) -> String {
@@ -32,33 +30,18 @@ fn unusual() -> Sum {
         angle_threshold: 0.75,
         speed_width: 0.3,
     };
-    let plain = R {
-        no_collision: 0.1,
-        collision: -0.2,
-        reach: 0.3,
-    };
+    let plain = R { no_collision: 0.1, collision: -0.2, reach: 0.3 };
     let inner = Sum::default()
-        .with(
-            40.0,
-            Progress {
-                speed_cap: Some(1.2),
-            },
-        )
+        .with(40.0, Progress { speed_cap: Some(1.2) })
         .with(-2.5, Time {})
         .with(-5.0, Proximity { margin: 0.35 });
-    Sum::default()
-        .with(0.5, couple)
-        .with(2.0, plain)
-        .with(1.0, inner)
+    Sum::default().with(0.5, couple).with(2.0, plain).with(1.0, inner)
 }
 
 #[test]
 fn a_nested_sum_survives_toml() {
     let reward: Arc<dyn Reward> = Arc::new(unusual());
-    let text = toml::to_string(&Spec {
-        reward: reward.clone(),
-    })
-    .unwrap();
+    let text = toml::to_string(&Spec { reward: reward.clone() }).unwrap();
     let copy = parse(&text).unwrap();
     for t in testing::transitions() {
         assert_eq!(reward.reward(&t), copy.reward(&t));
@@ -74,10 +57,7 @@ fn unusual_fields_pass_the_checks() {
 #[test]
 fn fields_left_out_take_their_defaults() {
     let reward = parse("[reward]\ntype = \"r_couple\"\nside = 7.0\n").unwrap();
-    let expected = RCouple {
-        side: 7.0,
-        ..RCouple::default()
-    };
+    let expected = RCouple { side: 7.0, ..RCouple::default() };
     for t in testing::transitions() {
         assert_eq!(reward.reward(&t), expected.reward(&t));
     }
@@ -85,9 +65,7 @@ fn fields_left_out_take_their_defaults() {
 
 #[test]
 fn whole_numbers_need_no_point() {
-    let reward =
-        parse("reward = { type = \"sum\", terms = [{ weight = 2, reward = { type = \"r\" } }] }")
-            .unwrap();
+    let reward = parse("reward = { type = \"sum\", terms = [{ weight = 2, reward = { type = \"r\" } }] }").unwrap();
     assert_eq!(reward.reward(&headway_reward::Transition::default()), 20.0);
 }
 
@@ -109,10 +87,7 @@ fn a_misspelt_field_is_an_error_that_names_it() {
         ("sum", "`terms`"),
     ] {
         let message = error(&format!("[reward]\ntype = \"{tag}\"\nmisspelt = 1.0\n"));
-        assert!(
-            message.contains("unknown field `misspelt`"),
-            "{tag}: {message}"
-        );
+        assert!(message.contains("unknown field `misspelt`"), "{tag}: {message}");
         assert!(message.contains(fields), "{tag}: {message}");
     }
 }
@@ -140,13 +115,8 @@ fn a_reward_needs_a_known_type() {
 fn a_version_is_1_and_a_sum_adds_up() {
     assert_eq!(parse("reward = { type = \"r\" }").unwrap().version(), 1);
     assert_eq!(unusual().version(), 5);
-    let twice = Term {
-        weight: 1.0,
-        reward: Arc::new(unusual()),
-    };
-    let sum = Sum {
-        terms: vec![twice.clone(), twice],
-    };
+    let twice = Term { weight: 1.0, reward: Arc::new(unusual()) };
+    let sum = Sum { terms: vec![twice.clone(), twice] };
     assert_eq!(sum.version(), 10);
 }
 
@@ -154,11 +124,6 @@ fn a_version_is_1_and_a_sum_adds_up() {
 fn limits_survive_toml_and_refuse_gaps() {
     let text = toml::to_string(&Limits::default()).unwrap();
     assert_eq!(toml::from_str::<Limits>(&text).unwrap(), Limits::default());
-    let message = toml::from_str::<Limits>("max_speed = 1.0")
-        .unwrap_err()
-        .to_string();
-    assert!(
-        message.contains("missing field `max_yaw_rate`"),
-        "{message}"
-    );
+    let message = toml::from_str::<Limits>("max_speed = 1.0").unwrap_err().to_string();
+    assert!(message.contains("missing field `max_yaw_rate`"), "{message}");
 }

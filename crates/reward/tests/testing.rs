@@ -25,10 +25,7 @@ fn infinity_is_caught_with_its_transition() {
     let message = message(&Infinite {});
     let start = "pays inf, which is not finite, for transition 6 (event None, speed ";
     assert!(message.starts_with(start), "{message}");
-    assert!(
-        message.contains("-> 0, obstacle angle None, clearance -0.3"),
-        "{message}"
-    );
+    assert!(message.contains("-> 0, obstacle angle None, clearance -0.3"), "{message}");
 }
 
 /// Goes wrong in one corner only: a collision at negative clearance while dead ahead.
@@ -40,11 +37,7 @@ struct Corner {}
 impl Reward for Corner {
     fn reward(&self, t: &Transition<'_>) -> f64 {
         let corner = t.event == Some(Event::Collision) && t.after.obstacle_angle == Some(0.0);
-        if corner {
-            t.after.clearance.sqrt()
-        } else {
-            0.0
-        }
+        if corner { t.after.clearance.sqrt() } else { 0.0 }
     }
 }
 
@@ -64,10 +57,7 @@ struct Remembers {
 #[typetag::serde(name = "bad/remembers")]
 impl Reward for Remembers {
     fn reward(&self, t: &Transition<'_>) -> f64 {
-        f64::from(
-            self.last
-                .swap(t.after.clearance.to_bits() as u32, Ordering::Relaxed),
-        )
+        f64::from(self.last.swap(t.after.clearance.to_bits() as u32, Ordering::Relaxed))
     }
 }
 
@@ -121,10 +111,7 @@ impl Reward for Unversioned {
 #[test]
 fn a_version_lost_in_the_spec_is_caught() {
     let message = message(&Unversioned { version: 3 });
-    assert_eq!(
-        message,
-        "has version 3, but 0 once written to a spec and read back"
-    );
+    assert_eq!(message, "has version 3, but 0 once written to a spec and read back");
 }
 
 /// Lacks `deny_unknown_fields`.
@@ -161,10 +148,7 @@ impl Reward for Unit {
 #[test]
 fn a_unit_struct_is_caught() {
     let error = testing::check(&Unit).unwrap_err();
-    assert!(
-        matches!(error, RewardError::AcceptsUnknownField { .. }),
-        "{error}"
-    );
+    assert!(matches!(error, RewardError::AcceptsUnknownField { .. }), "{error}");
 }
 
 /// Lacks `default`.
@@ -188,10 +172,7 @@ fn a_reward_without_default_is_caught_and_listed_as_such() {
     assert_eq!(message(&Demanding { scale: 1.0 }), expected);
 
     let entries = headway_reward::registry().unwrap();
-    let entry = entries
-        .iter()
-        .find(|entry| entry.tag == "bad/demanding")
-        .unwrap();
+    let entry = entries.iter().find(|entry| entry.tag == "bad/demanding").unwrap();
     assert_eq!(entry.default.as_ref().unwrap_err().to_string(), expected);
 }
 

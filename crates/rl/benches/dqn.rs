@@ -1,12 +1,17 @@
 //! What one decision and one gradient step cost, on one thread.
 //!
 //! `ddqn_step/*` is a whole learn step: one env step observed, a minibatch drawn from a replay of 20 000 transitions,
-//! three forward passes, Huber loss, backward pass, Adam, and the soft and averaged updates.
+//! three forward passes, Huber loss, backward pass, Adam, and the soft and averaged updates. Its rival `plain` is the
+//! same gradient step in candle-nn's own layers and AdamW, on a minibatch that is already there.
+
+#[path = "../tests/plain/mod.rs"]
+mod plain;
 
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use headway_rl::{Agent, Dqn, DqnSpec, Mode, StepBatch, TargetRule};
+use plain::{Batch, Plain};
 
 /// Deterministic numbers in `[-1, 1]` without any pattern that matters here.
 fn numbers(n: usize, phase: f32) -> Vec<f32> {
@@ -64,6 +69,14 @@ fn learn(c: &mut Criterion) {
                 agent.observe(black_box(batch)).expect("a valid batch");
                 agent.update().expect("finite").expect("due")
             });
+        });
+        let mut rival = Plain::new(&agent.layers().expect("readable"), 1e-3, 0.01).expect("layers fit");
+        let n = if size == "128" { 128 } else { 64 };
+        let actions: Vec<u32> = (0..n as u32).map(|k| k % n_actions as u32).collect();
+        let (obs, next_obs) = (numbers(n * obs_dim, 0.0), numbers(n * obs_dim, 1.0));
+        let batch = Batch::new(&obs, &actions, &numbers(n, 2.0), &next_obs, &vec![0.9; n]).expect("a valid batch");
+        c.bench_function(&format!("ddqn_step/{size}/plain"), |b| {
+            b.iter(|| rival.step(black_box(&batch)).expect("finite"));
         });
     }
 }

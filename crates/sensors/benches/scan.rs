@@ -5,23 +5,12 @@ use headway_sensors::LidarSpec;
 use headway_sim::{VehicleSpec, WorldSpec, stream};
 
 fn scan(c: &mut Criterion) {
-    let vehicle = VehicleSpec::default()
-        .build()
-        .expect("the default is valid");
-    let source = WorldSpec::default()
-        .build(vehicle.footprint())
-        .expect("the default is valid");
-    let scenario = source
-        .sample(&mut stream(0, "layout", 0))
-        .expect("the default has room");
+    let vehicle = VehicleSpec::default().build().expect("the default is valid");
+    let source = WorldSpec::default().build(vehicle.footprint()).expect("the default is valid");
+    let scenario = source.sample(&mut stream(0, "layout", 0)).expect("the default has room");
     let mut group = c.benchmark_group("scan");
     for n_beams in [36, 360, 1080] {
-        let lidar = LidarSpec {
-            n_beams,
-            ..LidarSpec::default()
-        }
-        .build()
-        .expect("valid");
+        let lidar = LidarSpec { n_beams, ..LidarSpec::default() }.build().expect("valid");
         let mut ranges = vec![0.0; n_beams];
         let mut rng = stream(0, "noise", 0);
         group.throughput(criterion::Throughput::Elements(n_beams as u64));

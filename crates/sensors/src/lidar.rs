@@ -28,14 +28,7 @@ pub struct LidarSpec {
 
 impl Default for LidarSpec {
     fn default() -> Self {
-        Self {
-            n_beams: 36,
-            field_of_view: TAU,
-            min_range: 0.0,
-            max_range: 5.0,
-            noise: 0.0,
-            dropout: 0.0,
-        }
+        Self { n_beams: 36, field_of_view: TAU, min_range: 0.0, max_range: 5.0, noise: 0.0, dropout: 0.0 }
     }
 }
 
@@ -48,11 +41,7 @@ impl LidarSpec {
         at_least("n_beams", self.n_beams, 1)?;
         positive("field_of_view", self.field_of_view)?;
         if self.field_of_view > TAU + 1e-9 {
-            return Err(FieldError::new(
-                "field_of_view",
-                self.field_of_view,
-                "at most a full turn, 2 pi = 6.2832",
-            ));
+            return Err(FieldError::new("field_of_view", self.field_of_view, "at most a full turn, 2 pi = 6.2832"));
         }
         non_negative("min_range", self.min_range)?;
         positive("max_range", self.max_range)?;
@@ -63,10 +52,7 @@ impl LidarSpec {
         non_negative("noise", self.noise)?;
         fraction("dropout", self.dropout)?;
         let beam_angles = beam_angles(self.n_beams, self.field_of_view);
-        Ok(Lidar {
-            spec: self.clone(),
-            beam_angles,
-        })
+        Ok(Lidar { spec: self.clone(), beam_angles })
     }
 }
 
@@ -88,11 +74,7 @@ pub fn beam_angles(n_beams: usize, field_of_view: f64) -> Vec<f64> {
     if n_beams == 1 {
         return vec![0.0];
     }
-    let n_gaps = if is_full_turn(field_of_view) {
-        n_beams
-    } else {
-        n_beams - 1
-    };
+    let n_gaps = if is_full_turn(field_of_view) { n_beams } else { n_beams - 1 };
     // (2 k - n_gaps) / (2 n_gaps) of the view: exactly 0 in the middle, and symmetric around it.
     let share = |k: usize| (2.0 * k as f64 - n_gaps as f64) / (2.0 * n_gaps as f64);
     (0..n_beams).map(|k| share(k) * field_of_view).collect()
@@ -138,13 +120,7 @@ impl Lidar {
     /// If `ranges` does not hold one number per beam.
     pub fn scan(&self, world: &World, pose: &Pose, rng: &mut impl RngExt, ranges: &mut [f32]) {
         assert_eq!(ranges.len(), self.beam_angles.len(), "one range per beam");
-        let LidarSpec {
-            min_range,
-            max_range,
-            noise,
-            dropout,
-            ..
-        } = self.spec;
+        let LidarSpec { min_range, max_range, noise, dropout, .. } = self.spec;
         let origin = Point::from(pose.translation.vector);
         let yaw = pose.rotation.angle();
         for (range, angle) in ranges.iter_mut().zip(&self.beam_angles) {
@@ -180,25 +156,10 @@ mod tests {
         let around = Pose::new([100.0 + dx, 100.0 + dy].into(), yaw);
         let place = |&(x, y, size): &(f64, f64, f64)| {
             let at = around * Point::new(x, y);
-            let shape = if size > 0.5 {
-                Shape::Box {
-                    length: size,
-                    width: 0.3,
-                }
-            } else {
-                Shape::Disc { radius: size }
-            };
-            Obstacle {
-                shape,
-                x: at.x,
-                y: at.y,
-                yaw,
-            }
+            let shape = if size > 0.5 { Shape::Box { length: size, width: 0.3 } } else { Shape::Disc { radius: size } };
+            Obstacle { shape, x: at.x, y: at.y, yaw }
         };
-        let room = Room {
-            width: 200.0,
-            height: 200.0,
-        };
+        let room = Room { width: 200.0, height: 200.0 };
         World::new(room, solids.iter().map(place).collect()).unwrap()
     }
 
@@ -233,68 +194,28 @@ mod tests {
 
     #[test]
     fn noise_and_dropout_have_their_sizes() {
-        let world = World::new(
-            Room {
-                width: 10.0,
-                height: 10.0,
-            },
-            vec![],
-        )
-        .unwrap();
-        let spec = LidarSpec {
-            n_beams: 20_000,
-            noise: 0.1,
-            dropout: 0.25,
-            max_range: 50.0,
-            ..LidarSpec::default()
-        };
-        let clean = LidarSpec {
-            noise: 0.0,
-            dropout: 0.0,
-            ..spec.clone()
-        };
+        let world = World::new(Room { width: 10.0, height: 10.0 }, vec![]).unwrap();
+        let spec = LidarSpec { n_beams: 20_000, noise: 0.1, dropout: 0.25, max_range: 50.0, ..LidarSpec::default() };
+        let clean = LidarSpec { noise: 0.0, dropout: 0.0, ..spec.clone() };
         let pose = Pose::translation(5.0, 5.0);
         let [noisy, clean] = [spec, clean].map(|s| scan(&s.build().unwrap(), &world, &pose));
-        let errors: Vec<f64> = noisy
-            .iter()
-            .zip(&clean)
-            .filter(|(r, _)| **r < 50.0)
-            .map(|(a, b)| f64::from(a - b))
-            .collect();
+        let errors: Vec<f64> =
+            noisy.iter().zip(&clean).filter(|(r, _)| **r < 50.0).map(|(a, b)| f64::from(a - b)).collect();
         let lost = 1.0 - errors.len() as f64 / 20_000.0;
         let mean = errors.iter().sum::<f64>() / errors.len() as f64;
-        let deviation =
-            (errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / errors.len() as f64).sqrt();
+        let deviation = (errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / errors.len() as f64).sqrt();
         assert!((lost - 0.25).abs() < 0.015, "{lost}");
-        assert!(
-            mean.abs() < 0.004 && (deviation - 0.1).abs() < 0.003,
-            "{mean} {deviation}"
-        );
+        assert!(mean.abs() < 0.004 && (deviation - 0.1).abs() < 0.003, "{mean} {deviation}");
     }
 
     #[test]
     fn refusals_name_the_field() {
         let refused = |spec: LidarSpec| spec.build().unwrap_err().to_string();
-        let backwards = LidarSpec {
-            min_range: 6.0,
-            ..LidarSpec::default()
-        };
-        assert_eq!(
-            refused(backwards),
-            "max_range = 5: must be more than min_range = 6"
-        );
-        let lossy = LidarSpec {
-            dropout: 1.5,
-            ..LidarSpec::default()
-        };
+        let backwards = LidarSpec { min_range: 6.0, ..LidarSpec::default() };
+        assert_eq!(refused(backwards), "max_range = 5: must be more than min_range = 6");
+        let lossy = LidarSpec { dropout: 1.5, ..LidarSpec::default() };
         assert_eq!(refused(lossy), "dropout = 1.5: must be from 0 to 1");
-        let wide = LidarSpec {
-            field_of_view: 7.0,
-            ..LidarSpec::default()
-        };
-        assert_eq!(
-            refused(wide),
-            "field_of_view = 7: must be at most a full turn, 2 pi = 6.2832"
-        );
+        let wide = LidarSpec { field_of_view: 7.0, ..LidarSpec::default() };
+        assert_eq!(refused(wide), "field_of_view = 7: must be at most a full turn, 2 pi = 6.2832");
     }
 }

@@ -2,9 +2,7 @@
 
 use std::f64::consts::PI;
 
-use headway_sim::{
-    FieldError, Outline, Point, Pose, Proximity, Surface, Twist, World, positive, wrap,
-};
+use headway_sim::{FieldError, Outline, Point, Pose, Proximity, Surface, Twist, World, positive, wrap};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
@@ -22,10 +20,7 @@ pub struct ObstacleAngleSpec {
 
 impl Default for ObstacleAngleSpec {
     fn default() -> Self {
-        Self {
-            radius: 3.0,
-            include_walls: false,
-        }
+        Self { radius: 3.0, include_walls: false }
     }
 }
 
@@ -72,20 +67,11 @@ impl ObstacleAngle {
     /// # Ok::<(), headway_sim::SimError>(())
     /// ```
     #[must_use]
-    pub fn measure(
-        &self,
-        world: &World,
-        pose: &Pose,
-        twist: &Twist,
-        proximity: &Proximity,
-    ) -> Option<f64> {
+    pub fn measure(&self, world: &World, pose: &Pose, twist: &Twist, proximity: &Proximity) -> Option<f64> {
         let surface = self.nearest(proximity)?;
         let origin = Point::from(pose.translation.vector);
         let direction = pose.rotation.angle() + direction_of_motion(twist);
-        Some(angle_between(
-            direction,
-            bearings(&world.outline(surface), &origin),
-        ))
+        Some(angle_between(direction, bearings(&world.outline(surface), &origin)))
     }
 
     /// The obstacle angle as a vehicle can tell it from a scan alone, radians.
@@ -109,13 +95,7 @@ impl ObstacleAngle {
     /// # Ok::<(), headway_sim::FieldError>(())
     /// ```
     #[must_use]
-    pub fn from_scan(
-        &self,
-        lidar: &Lidar,
-        scan: &[f32],
-        extents: &[f32],
-        direction: f64,
-    ) -> Option<f64> {
+    pub fn from_scan(&self, lidar: &Lidar, scan: &[f32], extents: &[f32], direction: f64) -> Option<f64> {
         let angles = lidar.beam_angles();
         let n = angles.len();
         assert!(scan.len() == n && extents.len() == n, "one entry per beam");
@@ -126,22 +106,16 @@ impl ObstacleAngle {
             return None;
         }
         let spacing = if n > 1 { angles[1] - angles[0] } else { 0.0 };
-        let [left, right] = [1, -1]
-            .map(|step| n_connected(scan, nearest, step, lidar.is_full_turn()) as f64 * spacing);
+        let [left, right] = [1, -1].map(|step| n_connected(scan, nearest, step, lidar.is_full_turn()) as f64 * spacing);
         let middle = angles[nearest] + (left - right) / 2.0;
         Some(angle_between(direction, (middle, (left + right) / 2.0)))
     }
 
     fn nearest(&self, proximity: &Proximity) -> Option<Surface> {
-        let obstacle = proximity
-            .obstacle
-            .map(|(index, clearance)| (Surface::Obstacle(index), clearance));
+        let obstacle = proximity.obstacle.map(|(index, clearance)| (Surface::Obstacle(index), clearance));
         let wall = (Surface::Wall(proximity.wall.0), proximity.wall.1);
         let wall = self.spec.include_walls.then_some(wall);
-        let nearest = obstacle
-            .into_iter()
-            .chain(wall)
-            .min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let nearest = obstacle.into_iter().chain(wall).min_by(|a, b| a.1.total_cmp(&b.1))?;
         (nearest.1 <= self.spec.radius).then_some(nearest.0)
     }
 }
@@ -150,11 +124,7 @@ impl ObstacleAngle {
 /// rest.
 #[must_use]
 pub fn direction_of_motion(twist: &Twist) -> f64 {
-    if twist.xy().norm() > 0.0 {
-        twist.y.atan2(twist.x)
-    } else {
-        0.0
-    }
+    if twist.xy().norm() > 0.0 { twist.y.atan2(twist.x) } else { 0.0 }
 }
 
 /// The unsigned angle from a direction to the nearer end of an interval of directions given as its middle
@@ -170,10 +140,7 @@ fn bearings(outline: &Outline<'_>, origin: &Point) -> (f64, f64) {
         Outline::Disc { center, radius } => {
             let to: Vector2<f64> = center - origin;
             let ratio = radius / to.norm();
-            (
-                to.y.atan2(to.x),
-                if ratio < 1.0 { ratio.asin() } else { PI },
-            )
+            (to.y.atan2(to.x), if ratio < 1.0 { ratio.asin() } else { PI })
         }
         Outline::Polygon(corners) => corner_bearings(corners, origin),
         Outline::Wall(ends) => corner_bearings(ends, origin),
@@ -189,8 +156,7 @@ fn corner_bearings(corners: &[Point], origin: &Point) -> (f64, f64) {
         low = low.min(turned);
         high = high.max(turned);
     }
-    let closing = corners.len() > 2
-        && (turned + wrap(first - bearing(&corners[corners.len() - 1]))).abs() > PI;
+    let closing = corners.len() > 2 && (turned + wrap(first - bearing(&corners[corners.len() - 1]))).abs() > PI;
     if closing {
         return (first, PI); // the corners go all the way round the origin
     }
@@ -204,9 +170,7 @@ fn n_connected(scan: &[f32], start: usize, step: isize, is_ring: bool) -> usize 
     for count in 0..scan.len() - 1 {
         let next = here as isize + step;
         let wrapped = next.rem_euclid(n) as usize;
-        if (wrapped as isize != next && !is_ring)
-            || (scan[wrapped] - scan[here]).abs() >= ObstacleAngle::SCAN_GAP
-        {
+        if (wrapped as isize != next && !is_ring) || (scan[wrapped] - scan[here]).abs() >= ObstacleAngle::SCAN_GAP {
             return count;
         }
         here = wrapped;
@@ -220,34 +184,15 @@ mod tests {
     use crate::LidarSpec;
     use headway_sim::{Footprint, Obstacle, Room, Shape};
 
-    fn measure(
-        spec: ObstacleAngleSpec,
-        obstacles: Vec<Obstacle>,
-        pose: Pose,
-        twist: Twist,
-    ) -> Option<f64> {
-        let world = World::new(
-            Room {
-                width: 20.0,
-                height: 20.0,
-            },
-            obstacles,
-        )
-        .unwrap();
+    fn measure(spec: ObstacleAngleSpec, obstacles: Vec<Obstacle>, pose: Pose, twist: Twist) -> Option<f64> {
+        let world = World::new(Room { width: 20.0, height: 20.0 }, obstacles).unwrap();
         let footprint = Footprint::new(&Shape::Disc { radius: 0.25 }).unwrap();
         let proximity = world.proximity(&footprint, &pose);
-        spec.build()
-            .unwrap()
-            .measure(&world, &pose, &twist, &proximity)
+        spec.build().unwrap().measure(&world, &pose, &twist, &proximity)
     }
 
     fn disc(x: f64, y: f64, radius: f64) -> Obstacle {
-        Obstacle {
-            shape: Shape::Disc { radius },
-            x,
-            y,
-            yaw: 0.0,
-        }
+        Obstacle { shape: Shape::Disc { radius }, x, y, yaw: 0.0 }
     }
 
     fn degrees(angle: Option<f64>) -> f64 {
@@ -259,36 +204,20 @@ mod tests {
         let spec = ObstacleAngleSpec::default();
         let pose = Pose::translation(10.0, 10.0);
         let ahead = vec![disc(12.0, 10.0, 0.5)];
-        assert_eq!(
-            measure(spec, ahead.clone(), pose, Twist::zeros()),
-            Some(0.0)
-        );
+        assert_eq!(measure(spec, ahead.clone(), pose, Twist::zeros()), Some(0.0));
         // Reversing, the same disc lies behind: 180 degrees less its half-width, asin(0.5 / 2).
         let reversing = Twist::new(-1.0, 0.0, 0.0);
         let expected = 180.0 - 0.25_f64.asin().to_degrees();
         assert!((degrees(measure(spec, ahead, pose, reversing)) - expected).abs() < 1e-9);
         // A box whose corners (11, 11) and (13, 11) are the nearer edge and the farther one: 45 degrees.
-        let boxed = Obstacle {
-            shape: Shape::Box {
-                length: 2.0,
-                width: 1.0,
-            },
-            x: 12.0,
-            y: 11.5,
-            yaw: 0.0,
-        };
+        let boxed = Obstacle { shape: Shape::Box { length: 2.0, width: 1.0 }, x: 12.0, y: 11.5, yaw: 0.0 };
         let expected = 1.0_f64.atan2(3.0).to_degrees();
-        assert!(
-            (degrees(measure(spec, vec![boxed], pose, Twist::zeros())) - expected).abs() < 1e-9
-        );
+        assert!((degrees(measure(spec, vec![boxed], pose, Twist::zeros())) - expected).abs() < 1e-9);
     }
 
     #[test]
     fn the_nearest_by_clearance_counts_and_only_within_the_radius() {
-        let spec = ObstacleAngleSpec {
-            radius: 2.0,
-            include_walls: false,
-        };
+        let spec = ObstacleAngleSpec { radius: 2.0, include_walls: false };
         let pose = Pose::translation(10.0, 10.0);
         // The large disc's centre is farther, its surface nearer.
         let obstacles = vec![disc(10.0, 12.0, 0.2), disc(13.0, 10.0, 2.0)];
@@ -300,10 +229,7 @@ mod tests {
     #[test]
     fn walls_count_if_asked() {
         let pose = Pose::new([1.0, 10.0].into(), 0.0);
-        let spec = |include_walls| ObstacleAngleSpec {
-            radius: 2.0,
-            include_walls,
-        };
+        let spec = |include_walls| ObstacleAngleSpec { radius: 2.0, include_walls };
         assert_eq!(measure(spec(false), vec![], pose, Twist::zeros()), None);
         // The wall at x = 0 covers bearings from atan2(10, -1) on: just over 90 degrees off.
         let expected = 10.0_f64.atan2(-1.0).to_degrees();
@@ -313,12 +239,7 @@ mod tests {
 
     #[test]
     fn the_scan_tells_nearly_the_same_as_the_truth() {
-        let lidar = LidarSpec {
-            n_beams: 720,
-            ..LidarSpec::default()
-        }
-        .build()
-        .unwrap();
+        let lidar = LidarSpec { n_beams: 720, ..LidarSpec::default() }.build().unwrap();
         let spec = ObstacleAngleSpec::default();
         let extents = [0.25; 720];
         for k in 0..24 {
@@ -326,26 +247,10 @@ mod tests {
             let pose = Pose::new([10.0, 10.0].into(), yaw);
             let obstacles = vec![disc(11.5, 10.7, 0.4)];
             let truth = measure(spec, obstacles.clone(), pose, Twist::zeros()).unwrap();
-            let world = World::new(
-                Room {
-                    width: 20.0,
-                    height: 20.0,
-                },
-                obstacles,
-            )
-            .unwrap();
+            let world = World::new(Room { width: 20.0, height: 20.0 }, obstacles).unwrap();
             let mut scan = [0.0; 720];
-            lidar.scan(
-                &world,
-                &pose,
-                &mut headway_sim::stream(0, "noise", 0),
-                &mut scan,
-            );
-            let seen = spec
-                .build()
-                .unwrap()
-                .from_scan(&lidar, &scan, &extents, 0.0)
-                .unwrap();
+            lidar.scan(&world, &pose, &mut headway_sim::stream(0, "noise", 0), &mut scan);
+            let seen = spec.build().unwrap().from_scan(&lidar, &scan, &extents, 0.0).unwrap();
             assert!((truth - seen).abs() < 0.02, "yaw {yaw}: {truth} but {seen}");
         }
     }

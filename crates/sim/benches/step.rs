@@ -5,22 +5,13 @@ use headway_sim::{Command, VehicleSpec, VehicleState, WorldSpec, stream};
 use std::hint::black_box;
 
 fn step(c: &mut Criterion) {
-    let vehicle = VehicleSpec::default()
-        .build()
-        .expect("the default is valid");
-    let source = WorldSpec::default()
-        .build(vehicle.footprint())
-        .expect("the default is valid");
-    let scenario = source
-        .sample(&mut stream(0, "layout", 0))
-        .expect("the default has room");
+    let vehicle = VehicleSpec::default().build().expect("the default is valid");
+    let source = WorldSpec::default().build(vehicle.footprint()).expect("the default is valid");
+    let scenario = source.sample(&mut stream(0, "layout", 0)).expect("the default has room");
     c.bench_function("vehicle_step", |b| {
         let mut state = VehicleState::at_rest(scenario.start);
         b.iter(|| {
-            let command = Command {
-                speed: 1.0,
-                yaw_rate: 0.5,
-            };
+            let command = Command { speed: 1.0, yaw_rate: 0.5 };
             let motion = vehicle.step(&scenario.world, &mut state, black_box(command));
             if motion.collided {
                 state = VehicleState::at_rest(scenario.start);

@@ -15,11 +15,7 @@ pub struct FieldError {
 impl FieldError {
     /// The refusal of `value` in `field`.
     pub fn new(field: impl Into<String>, value: impl ToString, allowed: impl Into<String>) -> Self {
-        Self {
-            field: field.into(),
-            value: value.to_string(),
-            allowed: allowed.into(),
-        }
+        Self { field: field.into(), value: value.to_string(), allowed: allowed.into() }
     }
 
     /// The same refusal seen from a spec that holds this one under `parent`.
@@ -30,17 +26,8 @@ impl FieldError {
     }
 }
 
-fn require(
-    ok: bool,
-    field: &str,
-    value: f64,
-    allowed: impl Into<String>,
-) -> Result<(), FieldError> {
-    if ok && value.is_finite() {
-        Ok(())
-    } else {
-        Err(FieldError::new(field, value, allowed))
-    }
+fn require(ok: bool, field: &str, value: f64, allowed: impl Into<String>) -> Result<(), FieldError> {
+    if ok && value.is_finite() { Ok(()) } else { Err(FieldError::new(field, value, allowed)) }
 }
 
 /// Refuses all but finite numbers above 0.
@@ -81,11 +68,7 @@ pub fn within(field: &str, value: f64, low: f64, high: f64) -> Result<(), FieldE
 /// # Errors
 /// Names the field, the value and the bound.
 pub fn at_least(field: &str, value: usize, least: usize) -> Result<(), FieldError> {
-    if value >= least {
-        Ok(())
-    } else {
-        Err(FieldError::new(field, value, format!("{least} or more")))
-    }
+    if value >= least { Ok(()) } else { Err(FieldError::new(field, value, format!("{least} or more"))) }
 }
 
 #[cfg(test)]
@@ -95,10 +78,7 @@ mod tests {
     #[test]
     fn messages_name_field_value_and_what_is_allowed() {
         let error = positive("radius", -0.3).unwrap_err().under("footprint");
-        assert_eq!(
-            error.to_string(),
-            "footprint.radius = -0.3: must be a finite number above 0"
-        );
+        assert_eq!(error.to_string(), "footprint.radius = -0.3: must be a finite number above 0");
     }
 
     #[test]

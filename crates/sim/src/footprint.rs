@@ -26,26 +26,14 @@ impl Footprint {
             && polygon.signed_distance(&Point::origin()) >= 0.0
         {
             let allowed = "an outline around the vehicle's origin (0, 0)";
-            return Err(FieldError::new(
-                "vertices",
-                format!("{:?}", polygon.vertices()),
-                allowed,
-            ));
+            return Err(FieldError::new("vertices", format!("{:?}", polygon.vertices()), allowed));
         }
-        Ok(Self {
-            shape: shape.clone(),
-            circumradius: shape.circumradius(),
-            polygon,
-        })
+        Ok(Self { shape: shape.clone(), circumradius: shape.circumradius(), polygon })
     }
 
     /// A disc around the origin. A radius of 0 is a point.
     pub(crate) fn disc(radius: f64) -> Self {
-        Self {
-            shape: Shape::Disc { radius },
-            circumradius: radius,
-            polygon: None,
-        }
+        Self { shape: Shape::Disc { radius }, circumradius: radius, polygon: None }
     }
 
     /// An outline that need not hold its origin: an obstacle looked at as a footprint.
@@ -73,11 +61,7 @@ impl Footprint {
     /// 0 for a disc, which turns onto itself.
     #[must_use]
     pub fn turning_radius(&self) -> f64 {
-        if self.polygon.is_some() {
-            self.circumradius
-        } else {
-            0.0
-        }
+        if self.polygon.is_some() { self.circumradius } else { 0.0 }
     }
 
     /// The distance from the origin to the outline in a direction of the vehicle's frame, metres.

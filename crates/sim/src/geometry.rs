@@ -17,23 +17,11 @@ impl Polygon {
     /// From strictly convex corners, counter-clockwise.
     pub(crate) fn new(vertices: Vec<Point>) -> Self {
         let next = vertices.iter().cycle().skip(1);
-        let normals = vertices
-            .iter()
-            .zip(next)
-            .map(|(a, b)| Vector2::new(b.y - a.y, a.x - b.x).normalize())
-            .collect();
+        let normals = vertices.iter().zip(next).map(|(a, b)| Vector2::new(b.y - a.y, a.x - b.x).normalize()).collect();
         let sum: Vector2<f64> = vertices.iter().map(|v| v.coords).sum();
         let center = Point::from(sum / vertices.len() as f64);
-        let radius = vertices
-            .iter()
-            .map(|v| (v - center).norm())
-            .fold(0.0, f64::max);
-        Self {
-            vertices,
-            normals,
-            center,
-            radius,
-        }
+        let radius = vertices.iter().map(|v| (v - center).norm()).fold(0.0, f64::max);
+        Self { vertices, normals, center, radius }
     }
 
     /// The same polygon moved to `pose`.
@@ -62,27 +50,15 @@ impl Polygon {
 
     /// Distance from a point to the outline, negative inside.
     pub(crate) fn signed_distance(&self, point: &Point) -> f64 {
-        let depth = self
-            .vertices
-            .iter()
-            .zip(&self.normals)
-            .map(|(v, n)| n.dot(&(point - v)))
-            .fold(f64::NEG_INFINITY, f64::max);
-        if depth <= 0.0 {
-            depth
-        } else {
-            (point - self.nearest(point)).norm()
-        }
+        let depth =
+            self.vertices.iter().zip(&self.normals).map(|(v, n)| n.dot(&(point - v))).fold(f64::NEG_INFINITY, f64::max);
+        if depth <= 0.0 { depth } else { (point - self.nearest(point)).norm() }
     }
 
     /// The point of the outline nearest to an outside point.
     pub(crate) fn nearest(&self, point: &Point) -> Point {
         let next = self.vertices.iter().cycle().skip(1);
-        let candidates = self
-            .vertices
-            .iter()
-            .zip(next)
-            .map(|(a, b)| nearest_on_segment(a, b, point));
+        let candidates = self.vertices.iter().zip(next).map(|(a, b)| nearest_on_segment(a, b, point));
         nearest_of(candidates, point).unwrap_or(self.center)
     }
 
@@ -132,11 +108,7 @@ pub(crate) fn nearest_on_segment(a: &Point, b: &Point, point: &Point) -> Point {
 ///
 /// Written as `c / (b + sqrt(b^2 - c))` with `c = |to_center|^2 - r^2`, which does not cancel for
 /// distant or grazed discs.
-pub(crate) fn ray_disc(
-    to_center: &Vector2<f64>,
-    radius: f64,
-    direction: &Vector2<f64>,
-) -> Option<f64> {
+pub(crate) fn ray_disc(to_center: &Vector2<f64>, radius: f64, direction: &Vector2<f64>) -> Option<f64> {
     let along = to_center.dot(direction);
     let c = to_center.norm_squared() - radius * radius;
     if c <= 0.0 {

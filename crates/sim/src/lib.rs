@@ -40,9 +40,7 @@ pub use error::SimError;
 pub use footprint::Footprint;
 pub use motion::arc;
 pub use rng::{stream, stream_seed};
-pub use scenario::{
-    GoalRule, Interval, Kinds, Quantity, RoomSpec, Scenario, WeightedWorld, WorldSource, WorldSpec,
-};
+pub use scenario::{GoalRule, Interval, Kinds, Quantity, RoomSpec, Scenario, WeightedWorld, WorldSource, WorldSpec};
 pub use shape::{Obstacle, Room, Shape};
 pub use vehicle::{Command, Motion, Vehicle, VehicleSpec, VehicleState};
 pub use world::{Outline, Proximity, Surface, World};

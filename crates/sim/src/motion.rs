@@ -20,18 +20,11 @@ use crate::Pose;
 #[must_use]
 pub fn arc(pose: &Pose, speed: f64, yaw_rate: f64, time: f64) -> Pose {
     let half = yaw_rate * time / 2.0;
-    let sinc = if half.abs() < 1e-4 {
-        1.0 - half * half / 6.0
-    } else {
-        half.sin() / half
-    };
+    let sinc = if half.abs() < 1e-4 { 1.0 - half * half / 6.0 } else { half.sin() / half };
     let chord = speed * time * sinc;
     let yaw = pose.rotation.angle();
     let (sin, cos) = (yaw + half).sin_cos();
-    Pose::new(
-        pose.translation.vector + Vector2::new(cos, sin) * chord,
-        yaw + 2.0 * half,
-    )
+    Pose::new(pose.translation.vector + Vector2::new(cos, sin) * chord, yaw + 2.0 * half)
 }
 
 #[cfg(test)]

@@ -28,12 +28,8 @@ impl World {
                 f64::INFINITY
             }
         };
-        let wall =
-            along(origin.x, room.width, direction.x).min(along(origin.y, room.height, direction.y));
-        let solids = self
-            .solids()
-            .iter()
-            .filter_map(|solid| solid.cast(origin, direction));
+        let wall = along(origin.x, room.width, direction.x).min(along(origin.y, room.height, direction.y));
+        let solids = self.solids().iter().filter_map(|solid| solid.cast(origin, direction));
         solids.fold(wall.clamp(0.0, max_range), f64::min)
     }
 

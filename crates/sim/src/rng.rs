@@ -41,12 +41,7 @@ mod tests {
     fn equal_keys_give_equal_streams_and_others_do_not() {
         let first = |seed, name, index| stream_seed(seed, name, index);
         assert_eq!(first(1, "layout", 2), first(1, "layout", 2));
-        let all = [
-            first(1, "layout", 2),
-            first(2, "layout", 1),
-            first(1, "layou", 2),
-            first(1, "noise", 2),
-        ];
+        let all = [first(1, "layout", 2), first(2, "layout", 1), first(1, "layou", 2), first(1, "noise", 2)];
         for (i, a) in all.iter().enumerate() {
             assert!(all[i + 1..].iter().all(|b| a != b));
         }

@@ -47,12 +47,7 @@ impl GoalRule {
         let margin = footprint.circumradius() + self.clearance;
         let room = world.room();
         (0..Self::TRIES)
-            .map(|_| {
-                Point::new(
-                    rng.random_range(0.0..room.width),
-                    rng.random_range(0.0..room.height),
-                )
-            })
+            .map(|_| Point::new(rng.random_range(0.0..room.width), rng.random_range(0.0..room.height)))
             .find(|point| world.distance(point) >= margin)
     }
 }
@@ -64,28 +59,16 @@ impl Scenario {
     ///
     /// # Errors
     /// [`SimError::NoRoute`] if no drawn place is joined to the start.
-    pub fn new_goal(
-        &self,
-        from: &Point,
-        footprint: &Footprint,
-        rng: &mut impl RngExt,
-    ) -> Result<Point, SimError> {
+    pub fn new_goal(&self, from: &Point, footprint: &Footprint, rng: &mut impl RngExt) -> Result<Point, SimError> {
         const DRAWS: usize = 50;
         let rule = &self.goal_rule;
-        let mut check = PathCheck::new(
-            &self.world,
-            self.start.translation.vector.into(),
-            footprint,
-            rule,
-        );
+        let mut check = PathCheck::new(&self.world, self.start.translation.vector.into(), footprint, rule);
         let mut farthest: Option<Point> = None;
         for _ in 0..DRAWS {
             let Some(goal) = rule.place(&self.world, footprint, rng) else {
                 continue;
             };
-            if farthest.is_some_and(|best| distance(&best, from) >= distance(&goal, from))
-                || !check.joins(&goal)
-            {
+            if farthest.is_some_and(|best| distance(&best, from) >= distance(&goal, from)) || !check.joins(&goal) {
                 continue;
             }
             farthest = Some(goal);

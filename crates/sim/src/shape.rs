@@ -67,11 +67,7 @@ impl Shape {
     pub fn circumradius(&self) -> f64 {
         match self {
             Self::Disc { radius } => *radius,
-            _ => self
-                .vertices()
-                .iter()
-                .map(|v| v.coords.norm())
-                .fold(0.0, f64::max),
+            _ => self.vertices().iter().map(|v| v.coords.norm()).fold(0.0, f64::max),
         }
     }
 
@@ -101,23 +97,14 @@ fn check_polygon(vertices: &[[f64; 2]]) -> Result<(), FieldError> {
         let sine = ab.perp(&bc) / (ab.norm() * bc.norm());
         if sine.is_nan() || sine < 1e-9 {
             let place = format!("vertices.{}", (i + 1) % n);
-            let allowed =
-                "a left turn: list the corners counter-clockwise, strictly convex and finite";
-            return Err(FieldError::new(
-                place,
-                format!("[{}, {}]", b.x, b.y),
-                allowed,
-            ));
+            let allowed = "a left turn: list the corners counter-clockwise, strictly convex and finite";
+            return Err(FieldError::new(place, format!("[{}, {}]", b.x, b.y), allowed));
         }
         turned += ab.perp(&bc).atan2(ab.dot(&bc));
     }
     if turned > 1.5 * std::f64::consts::TAU {
         let allowed = "a simple polygon: these corners go round more than once";
-        return Err(FieldError::new(
-            "vertices",
-            format!("{vertices:?}"),
-            allowed,
-        ));
+        return Err(FieldError::new("vertices", format!("{vertices:?}"), allowed));
     }
     Ok(())
 }
@@ -149,9 +136,7 @@ mod tests {
     use super::*;
 
     fn polygon(vertices: &[[f64; 2]]) -> Shape {
-        Shape::Polygon {
-            vertices: vertices.to_vec(),
-        }
+        Shape::Polygon { vertices: vertices.to_vec() }
     }
 
     #[test]
@@ -163,16 +148,10 @@ mod tests {
         let dented = [[0.0, 0.0], [1.0, 0.0], [0.2, 0.2], [0.0, 1.0]];
         let error = polygon(&dented).check().unwrap_err();
         assert_eq!(error.field, "vertices.2");
-        let star: Vec<_> = (0..5)
-            .map(|k| (f64::from(k) * 0.8 * std::f64::consts::PI).sin_cos())
-            .map(|(y, x)| [x, y])
-            .collect();
+        let star: Vec<_> =
+            (0..5).map(|k| (f64::from(k) * 0.8 * std::f64::consts::PI).sin_cos()).map(|(y, x)| [x, y]).collect();
         assert!(polygon(&star).check().is_err());
-        assert!(
-            polygon(&[[0.0, 0.0], [f64::NAN, 0.0], [0.0, 1.0]])
-                .check()
-                .is_err()
-        );
+        assert!(polygon(&[[0.0, 0.0], [f64::NAN, 0.0], [0.0, 1.0]]).check().is_err());
         assert!(polygon(&square[..2]).check().is_err());
     }
 }

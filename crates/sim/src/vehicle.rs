@@ -2,10 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    FieldError, Footprint, Pose, Proximity, Shape, Twist, World, arc, at_least, non_negative,
-    positive,
-};
+use crate::{FieldError, Footprint, Pose, Proximity, Shape, Twist, World, arc, at_least, non_negative, positive};
 
 /// A differential-drive vehicle (unicycle) as data: outline, limits, control period.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -58,10 +55,7 @@ impl VehicleSpec {
         positive("max_yaw_acceleration", self.max_yaw_acceleration)?;
         positive("control_period", self.control_period)?;
         at_least("n_substeps", self.n_substeps, 1)?;
-        Ok(Vehicle {
-            spec: self.clone(),
-            footprint,
-        })
+        Ok(Vehicle { spec: self.clone(), footprint })
     }
 }
 
@@ -87,10 +81,7 @@ impl VehicleState {
     /// A vehicle that stands at `pose`.
     #[must_use]
     pub fn at_rest(pose: Pose) -> Self {
-        Self {
-            pose,
-            twist: Twist::zeros(),
-        }
+        Self { pose, twist: Twist::zeros() }
     }
 }
 
@@ -161,8 +152,7 @@ impl Vehicle {
             // No point of the outline moved further than what is now free around it.
             return unhurt;
         }
-        self.first_contact(world, start, command, state)
-            .unwrap_or(unhurt)
+        self.first_contact(world, start, command, state).unwrap_or(unhurt)
     }
 
     /// One substep of the linear approach to the command: the mean speed and yaw rate over it.
@@ -170,17 +160,11 @@ impl Vehicle {
         let spec = &self.spec;
         let h = spec.control_period / spec.n_substeps as f64;
         let speed = command.speed.clamp(-spec.max_reverse_speed, spec.max_speed);
-        let yaw_rate = command
-            .yaw_rate
-            .clamp(-spec.max_yaw_rate, spec.max_yaw_rate);
+        let yaw_rate = command.yaw_rate.clamp(-spec.max_yaw_rate, spec.max_yaw_rate);
         let before = *twist;
         twist.x = approach(twist.x, speed, spec.max_acceleration * h);
         twist.z = approach(twist.z, yaw_rate, spec.max_yaw_acceleration * h);
-        Stretch {
-            speed: (before.x + twist.x) / 2.0,
-            yaw_rate: (before.z + twist.z) / 2.0,
-            time: h,
-        }
+        Stretch { speed: (before.x + twist.x) / 2.0, yaw_rate: (before.z + twist.z) / 2.0, time: h }
     }
 
     /// The highest speed of any point of the outline, m/s.
@@ -218,11 +202,7 @@ impl Vehicle {
                     break;
                 }
                 let free = room.max(Self::CONTACT_TOLERANCE) / speed;
-                time = if free < stretch.time - time {
-                    time + free
-                } else {
-                    stretch.time
-                };
+                time = if free < stretch.time - time { time + free } else { stretch.time };
             }
             distance += stretch.speed.abs() * stretch.time;
             duration += stretch.time;

@@ -71,8 +71,7 @@ impl Proximity {
     /// The distance to whatever is nearest, metres.
     #[must_use]
     pub fn clearance(&self) -> f64 {
-        self.obstacle
-            .map_or(self.wall.1, |(_, clearance)| clearance.min(self.wall.1))
+        self.obstacle.map_or(self.wall.1, |(_, clearance)| clearance.min(self.wall.1))
     }
 }
 
@@ -85,10 +84,7 @@ impl TryFrom<WorldData> for World {
 
 impl From<World> for WorldData {
     fn from(world: World) -> Self {
-        Self {
-            room: world.room,
-            obstacles: world.obstacles,
-        }
+        Self { room: world.room, obstacles: world.obstacles }
     }
 }
 
@@ -100,29 +96,14 @@ impl World {
     /// allowed, or the obstacle that leaves the room.
     pub fn new(room: Room, obstacles: Vec<Obstacle>) -> Result<Self, SimError> {
         room.check()?;
-        let mut world = Self {
-            room,
-            obstacles: Vec::new(),
-            solids: Vec::new(),
-        };
+        let mut world = Self { room, obstacles: Vec::new(), solids: Vec::new() };
         for (index, obstacle) in obstacles.into_iter().enumerate() {
             let place = format!("obstacles.{index}");
-            obstacle
-                .shape
-                .check()
-                .map_err(|e| e.under("shape").under(&place))?;
-            let clearance = world
-                .wall_clearance(&Footprint::of_obstacle(&obstacle.shape), &obstacle.pose())
-                .1;
+            obstacle.shape.check().map_err(|e| e.under("shape").under(&place))?;
+            let clearance = world.wall_clearance(&Footprint::of_obstacle(&obstacle.shape), &obstacle.pose()).1;
             if !(clearance >= -1e-9 && obstacle.yaw.is_finite()) {
                 let (x, y) = (obstacle.x, obstacle.y);
-                return Err(SimError::OutsideRoom {
-                    index,
-                    x,
-                    y,
-                    width: room.width,
-                    height: room.height,
-                });
+                return Err(SimError::OutsideRoom { index, x, y, width: room.width, height: room.height });
             }
             world.push(obstacle);
         }
@@ -133,10 +114,7 @@ impl World {
     pub(crate) fn push(&mut self, obstacle: Obstacle) {
         let pose = obstacle.pose();
         self.solids.push(match &obstacle.shape {
-            Shape::Disc { radius } => Solid::Disc {
-                center: Point::new(obstacle.x, obstacle.y),
-                radius: *radius,
-            },
+            Shape::Disc { radius } => Solid::Disc { center: Point::new(obstacle.x, obstacle.y), radius: *radius },
             shape => Solid::Polygon(Polygon::new(shape.vertices()).at(&pose)),
         });
         self.obstacles.push(obstacle);
@@ -167,10 +145,7 @@ impl World {
         match surface {
             Surface::Wall(index) => Outline::Wall(self.walls()[index]),
             Surface::Obstacle(index) => match &self.solids[index] {
-                Solid::Disc { center, radius } => Outline::Disc {
-                    center: *center,
-                    radius: *radius,
-                },
+                Solid::Disc { center, radius } => Outline::Disc { center: *center, radius: *radius },
                 Solid::Polygon(polygon) => Outline::Polygon(polygon.vertices()),
             },
         }
@@ -180,12 +155,7 @@ impl World {
     pub(crate) fn walls(&self) -> [[Point; 2]; 4] {
         let Room { width, height } = self.room;
         let corner = |x, y| Point::new(x, y);
-        let [a, b, c, d] = [
-            corner(0.0, 0.0),
-            corner(width, 0.0),
-            corner(width, height),
-            corner(0.0, height),
-        ];
+        let [a, b, c, d] = [corner(0.0, 0.0), corner(width, 0.0), corner(width, height), corner(0.0, height)];
         [[d, a], [a, b], [b, c], [c, d]]
     }
 
@@ -226,10 +196,7 @@ impl World {
                 }
             }
         }
-        Proximity {
-            wall: self.wall_clearance(footprint, pose),
-            obstacle: nearest,
-        }
+        Proximity { wall: self.wall_clearance(footprint, pose), obstacle: nearest }
     }
 
     /// The distance from a point to the nearest surface, metres, negative within an obstacle.
@@ -264,11 +231,7 @@ impl World {
     pub fn is_free(&self, a: &Point, b: &Point, radius: f64) -> bool {
         let (length, mut travelled) = ((b - a).norm(), 0.0);
         loop {
-            let t = if length > 0.0 {
-                travelled / length
-            } else {
-                1.0
-            };
+            let t = if length > 0.0 { travelled / length } else { 1.0 };
             let room = self.distance(&(a + (b - a) * t)) - radius;
             if room <= 0.0 {
                 return false;
@@ -286,9 +249,7 @@ impl World {
         let center = Point::from(pose.translation.vector);
         let mut distances = to_walls(&center);
         match footprint.polygon() {
-            None => distances
-                .iter_mut()
-                .for_each(|d| *d -= footprint.circumradius()),
+            None => distances.iter_mut().for_each(|d| *d -= footprint.circumradius()),
             Some(polygon) => {
                 for corner in polygon.vertices() {
                     for (least, d) in distances.iter_mut().zip(to_walls(&(pose * corner))) {
@@ -323,9 +284,7 @@ impl Solid {
             (Self::Disc { center, radius }, Some(own)) => {
                 own.signed_distance(&pose.inverse_transform_point(center)) - radius
             }
-            (Self::Polygon(polygon), None) => {
-                polygon.signed_distance(&origin) - footprint.circumradius()
-            }
+            (Self::Polygon(polygon), None) => polygon.signed_distance(&origin) - footprint.circumradius(),
             (Self::Polygon(polygon), Some(own)) => polygon_clearance(polygon, &own.at(pose)),
         }
     }
@@ -358,8 +317,7 @@ fn polygon_clearance(a: &Polygon, b: &Polygon) -> f64 {
         return (a.center() - b.center()).norm() - a.radius() - b.radius();
     };
     let identity = parry2d::math::Pose::identity();
-    let apart = query::distance(&identity, &shape_a, &identity, &shape_b)
-        .map_or(f64::INFINITY, |d| d.distance);
+    let apart = query::distance(&identity, &shape_a, &identity, &shape_b).map_or(f64::INFINITY, |d| d.distance);
     if apart > 0.0 {
         return apart;
     }
@@ -371,10 +329,6 @@ fn polygon_clearance(a: &Polygon, b: &Polygon) -> f64 {
 
 /// The one place where our points become parry's.
 fn to_parry(polygon: &Polygon) -> Option<ConvexPolygon> {
-    let points = polygon
-        .vertices()
-        .iter()
-        .map(|p| parry2d::math::Vector::new(p.x, p.y))
-        .collect();
+    let points = polygon.vertices().iter().map(|p| parry2d::math::Vector::new(p.x, p.y)).collect();
     ConvexPolygon::from_convex_polyline(points)
 }

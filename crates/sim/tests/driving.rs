@@ -1,16 +1,10 @@
 //! Vehicles on closed forms, within limits, and never through things.
 
-use headway_sim::{
-    Command, Obstacle, Pose, Room, Shape, Vehicle, VehicleSpec, VehicleState, World, WorldSpec,
-    stream,
-};
+use headway_sim::{Command, Obstacle, Pose, Room, Shape, Vehicle, VehicleSpec, VehicleState, World, WorldSpec, stream};
 use proptest::prelude::*;
 use rand::RngExt;
 
-const HALL: Room = Room {
-    width: 200.0,
-    height: 200.0,
-};
+const HALL: Room = Room { width: 200.0, height: 200.0 };
 
 fn middle(yaw: f64) -> VehicleState {
     VehicleState::at_rest(Pose::new([100.0, 100.0].into(), yaw))
@@ -25,10 +19,7 @@ fn constant_yaw_rate_drives_a_circle() {
     let world = World::new(HALL, vec![]).unwrap();
     let vehicle = vehicle(VehicleSpec::default());
     let mut state = middle(0.3);
-    let command = Command {
-        speed: 1.0,
-        yaw_rate: 0.5,
-    };
+    let command = Command { speed: 1.0, yaw_rate: 0.5 };
     for _ in 0..10 {
         vehicle.step(&world, &mut state, command); // reach 1 m/s and 0.5 rad/s
     }
@@ -47,38 +38,21 @@ fn acceleration_from_rest_covers_half_a_t_squared() {
     let world = World::new(HALL, vec![]).unwrap();
     let vehicle = vehicle(VehicleSpec::default());
     let mut state = middle(0.0);
-    let command = Command {
-        speed: 1.5,
-        yaw_rate: 0.0,
-    };
-    let distance: f64 = (0..3)
-        .map(|_| vehicle.step(&world, &mut state, command).distance)
-        .sum();
+    let command = Command { speed: 1.5, yaw_rate: 0.0 };
+    let distance: f64 = (0..3).map(|_| vehicle.step(&world, &mut state, command).distance).sum();
     assert!((distance - 0.5 * 2.0 * 0.6 * 0.6).abs() < 1e-12);
     assert!((state.twist.x - 1.2).abs() < 1e-12);
 }
 
 #[test]
 fn a_collision_ends_where_the_vehicle_first_touches() {
-    let post = Obstacle {
-        shape: Shape::Disc { radius: 0.5 },
-        x: 105.0,
-        y: 100.0,
-        yaw: 0.0,
-    };
+    let post = Obstacle { shape: Shape::Disc { radius: 0.5 }, x: 105.0, y: 100.0, yaw: 0.0 };
     let world = World::new(HALL, vec![post]).unwrap();
     let vehicle = vehicle(VehicleSpec::default());
     let mut state = middle(0.0);
     let mut driven = 0.0;
     loop {
-        let motion = vehicle.step(
-            &world,
-            &mut state,
-            Command {
-                speed: 1.5,
-                yaw_rate: 0.0,
-            },
-        );
+        let motion = vehicle.step(&world, &mut state, Command { speed: 1.5, yaw_rate: 0.0 });
         driven += motion.distance;
         if motion.collided {
             assert!(motion.proximity.clearance() <= 0.0);
@@ -92,39 +66,13 @@ fn a_collision_ends_where_the_vehicle_first_touches() {
 
 #[test]
 fn a_fast_vehicle_does_not_pass_through_a_thin_wall() {
-    let sheet = |x| Obstacle {
-        shape: Shape::Box {
-            length: 0.01,
-            width: 20.0,
-        },
-        x,
-        y: 100.0,
-        yaw: 0.0,
-    };
+    let sheet = |x| Obstacle { shape: Shape::Box { length: 0.01, width: 20.0 }, x, y: 100.0, yaw: 0.0 };
     let world = World::new(HALL, vec![sheet(103.0)]).unwrap();
-    for footprint in [
-        Shape::Disc { radius: 0.25 },
-        Shape::Box {
-            length: 0.5,
-            width: 0.4,
-        },
-    ] {
-        let spec = VehicleSpec {
-            footprint,
-            max_speed: 50.0,
-            max_acceleration: 1e4,
-            n_substeps: 1,
-            ..Default::default()
-        };
+    for footprint in [Shape::Disc { radius: 0.25 }, Shape::Box { length: 0.5, width: 0.4 }] {
+        let spec =
+            VehicleSpec { footprint, max_speed: 50.0, max_acceleration: 1e4, n_substeps: 1, ..Default::default() };
         let mut state = middle(0.0);
-        let motion = vehicle(spec).step(
-            &world,
-            &mut state,
-            Command {
-                speed: 50.0,
-                yaw_rate: 0.0,
-            },
-        );
+        let motion = vehicle(spec).step(&world, &mut state, Command { speed: 50.0, yaw_rate: 0.0 });
         assert!(motion.collided);
         assert!((state.pose.translation.x - (103.0 - 0.255)).abs() < 2e-3);
     }
@@ -140,25 +88,10 @@ fn a_long_vehicle_sweeps_what_it_turns_into() {
         yaw: 0.0,
     };
     let world = World::new(HALL, vec![post]).unwrap();
-    let footprint = Shape::Box {
-        length: 2.0,
-        width: 0.1,
-    };
-    let spec = VehicleSpec {
-        footprint,
-        max_yaw_rate: 5.0,
-        max_yaw_acceleration: 1e4,
-        n_substeps: 1,
-        ..Default::default()
-    };
-    let motion = vehicle(spec).step(
-        &world,
-        &mut middle(0.0),
-        Command {
-            speed: 0.0,
-            yaw_rate: 5.0,
-        },
-    );
+    let footprint = Shape::Box { length: 2.0, width: 0.1 };
+    let spec =
+        VehicleSpec { footprint, max_yaw_rate: 5.0, max_yaw_acceleration: 1e4, n_substeps: 1, ..Default::default() };
+    let motion = vehicle(spec).step(&world, &mut middle(0.0), Command { speed: 0.0, yaw_rate: 5.0 });
     assert!(motion.collided);
 }
 
@@ -196,25 +129,10 @@ proptest! {
 #[test]
 fn refusals_name_the_field() {
     let cases = [
+        (VehicleSpec { max_speed: -1.0, ..Default::default() }, "max_speed = -1: must be a finite number above 0"),
+        (VehicleSpec { n_substeps: 0, ..Default::default() }, "n_substeps = 0: must be 1 or more"),
         (
-            VehicleSpec {
-                max_speed: -1.0,
-                ..Default::default()
-            },
-            "max_speed = -1: must be a finite number above 0",
-        ),
-        (
-            VehicleSpec {
-                n_substeps: 0,
-                ..Default::default()
-            },
-            "n_substeps = 0: must be 1 or more",
-        ),
-        (
-            VehicleSpec {
-                footprint: Shape::Disc { radius: f64::NAN },
-                ..Default::default()
-            },
+            VehicleSpec { footprint: Shape::Disc { radius: f64::NAN }, ..Default::default() },
             "footprint.radius = NaN: must be a finite number above 0",
         ),
     ];

@@ -7,10 +7,7 @@ use parry2d::shape::{Ball, ConvexPolygon, Shape as ParryShape};
 use proptest::prelude::*;
 
 /// A room whose walls are too far off to matter.
-const HALL: Room = Room {
-    width: 200.0,
-    height: 200.0,
-};
+const HALL: Room = Room { width: 200.0, height: 200.0 };
 
 fn shape() -> impl Strategy<Value = Shape> {
     prop_oneof![
@@ -18,12 +15,7 @@ fn shape() -> impl Strategy<Value = Shape> {
         (0.2..2.0, 0.2..2.0).prop_map(|(length, width)| Shape::Box { length, width }),
         (0.3..1.0, 3..8_u32).prop_map(|(radius, n)| {
             let corner = |k| (f64::from(k) / f64::from(n) * std::f64::consts::TAU).sin_cos();
-            Shape::Polygon {
-                vertices: (0..n)
-                    .map(corner)
-                    .map(|(y, x)| [radius * x, radius * y])
-                    .collect(),
-            }
+            Shape::Polygon { vertices: (0..n).map(corner).map(|(y, x)| [radius * x, radius * y]).collect() }
         }),
     ]
 }
@@ -34,12 +26,7 @@ fn pose() -> impl Strategy<Value = Pose> {
 
 fn world_with(shape: &Shape, pose: &Pose) -> World {
     let (x, y) = (pose.translation.x, pose.translation.y);
-    let obstacle = Obstacle {
-        shape: shape.clone(),
-        x,
-        y,
-        yaw: pose.rotation.angle(),
-    };
+    let obstacle = Obstacle { shape: shape.clone(), x, y, yaw: pose.rotation.angle() };
     World::new(HALL, vec![obstacle]).expect("the hall is large")
 }
 
@@ -49,17 +36,10 @@ fn parry(shape: &Shape, pose: &Pose) -> (Box<dyn ParryShape>, parry2d::math::Pos
     match shape {
         Shape::Disc { radius } => {
             let center = to_vector(pose.translation.vector.into());
-            (
-                Box::new(Ball::new(*radius)),
-                parry2d::math::Pose::from_translation(center),
-            )
+            (Box::new(Ball::new(*radius)), parry2d::math::Pose::from_translation(center))
         }
         _ => {
-            let corners = shape
-                .vertices()
-                .iter()
-                .map(|v| to_vector(pose * v))
-                .collect();
+            let corners = shape.vertices().iter().map(|v| to_vector(pose * v)).collect();
             let polygon = ConvexPolygon::from_convex_polyline(corners).expect("strictly convex");
             (Box::new(polygon), parry2d::math::Pose::identity())
         }
@@ -130,14 +110,7 @@ proptest! {
 
 #[test]
 fn ranges_to_walls_by_hand() {
-    let world = World::new(
-        Room {
-            width: 10.0,
-            height: 15.0,
-        },
-        vec![],
-    )
-    .unwrap();
+    let world = World::new(Room { width: 10.0, height: 15.0 }, vec![]).unwrap();
     let origin = Point::new(4.0, 5.0);
     let cast = |x: f64, y: f64| world.cast_ray(&origin, &Vector2::new(x, y).normalize(), 100.0);
     assert_eq!(cast(1.0, 0.0), 6.0);
@@ -149,63 +122,23 @@ fn ranges_to_walls_by_hand() {
     assert!((world.sector_range(&facing_left, 0.5) - 4.0).abs() < 1e-12);
     // The wall's foot is 60 degrees off, the sector ends at 30: the nearest point is on its side.
     let slanted = Pose::new(origin.coords, 60_f64.to_radians() - std::f64::consts::PI);
-    let expected = 5.0
-        / 60_f64
-            .to_radians()
-            .cos()
-            .max((-90_f64 + 150.0).to_radians().cos());
+    let expected = 5.0 / 60_f64.to_radians().cos().max((-90_f64 + 150.0).to_radians().cos());
     assert!(world.sector_range(&slanted, 30_f64.to_radians()) <= expected);
 }
 
 #[test]
 fn obstacles_outside_the_room_are_refused() {
-    let obstacle = Obstacle {
-        shape: Shape::Disc { radius: 1.0 },
-        x: 0.5,
-        y: 5.0,
-        yaw: 0.0,
-    };
-    let error = World::new(
-        Room {
-            width: 10.0,
-            height: 15.0,
-        },
-        vec![obstacle],
-    )
-    .unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "obstacle 0 at (0.5, 5) reaches out of the 10 x 15 m room"
-    );
-    let flat = Obstacle {
-        shape: Shape::Disc { radius: -1.0 },
-        x: 5.0,
-        y: 5.0,
-        yaw: 0.0,
-    };
-    let error = World::new(
-        Room {
-            width: 10.0,
-            height: 15.0,
-        },
-        vec![flat],
-    )
-    .unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "obstacles.0.shape.radius = -1: must be a finite number above 0"
-    );
+    let obstacle = Obstacle { shape: Shape::Disc { radius: 1.0 }, x: 0.5, y: 5.0, yaw: 0.0 };
+    let error = World::new(Room { width: 10.0, height: 15.0 }, vec![obstacle]).unwrap_err();
+    assert_eq!(error.to_string(), "obstacle 0 at (0.5, 5) reaches out of the 10 x 15 m room");
+    let flat = Obstacle { shape: Shape::Disc { radius: -1.0 }, x: 5.0, y: 5.0, yaw: 0.0 };
+    let error = World::new(Room { width: 10.0, height: 15.0 }, vec![flat]).unwrap_err();
+    assert_eq!(error.to_string(), "obstacles.0.shape.radius = -1: must be a finite number above 0");
 }
 
 #[test]
 fn a_world_survives_serialisation() {
-    let world = world_with(
-        &Shape::Box {
-            length: 1.0,
-            width: 0.5,
-        },
-        &Pose::new([100.0, 90.0].into(), 0.3),
-    );
+    let world = world_with(&Shape::Box { length: 1.0, width: 0.5 }, &Pose::new([100.0, 90.0].into(), 0.3));
     let text = toml::to_string(&world).unwrap();
     let back: World = toml::from_str(&text).unwrap();
     assert_eq!(back.obstacles(), world.obstacles());

@@ -1,8 +1,6 @@
 //! Scenarios keep what their specs promise, and refuse what cannot be.
 
-use headway_sim::{
-    Footprint, Interval, Kinds, Quantity, RoomSpec, Shape, WeightedWorld, World, WorldSpec, stream,
-};
+use headway_sim::{Footprint, Interval, Kinds, Quantity, RoomSpec, Shape, WeightedWorld, World, WorldSpec, stream};
 use proptest::prelude::*;
 
 fn disc(radius: f64) -> Footprint {
@@ -10,27 +8,16 @@ fn disc(radius: f64) -> Footprint {
 }
 
 fn room() -> impl Strategy<Value = RoomSpec> {
-    (
-        8.0..14.0,
-        8.0..14.0,
-        0.0..0.12,
-        0.3..1.0,
-        any::<(bool, bool)>(),
+    (8.0..14.0, 8.0..14.0, 0.0..0.12, 0.3..1.0, any::<(bool, bool)>()).prop_map(
+        |(width, height, density, min_gap, (boxes, polygons))| RoomSpec {
+            width: Interval::Fixed(width),
+            height: Interval::Range([height, height + 2.0]),
+            obstacles: Quantity::Density(Interval::Fixed(density)),
+            kinds: Kinds { disc: 1.0, r#box: f64::from(u8::from(boxes)), polygon: f64::from(u8::from(polygons)) },
+            min_gap,
+            ..RoomSpec::default()
+        },
     )
-        .prop_map(
-            |(width, height, density, min_gap, (boxes, polygons))| RoomSpec {
-                width: Interval::Fixed(width),
-                height: Interval::Range([height, height + 2.0]),
-                obstacles: Quantity::Density(Interval::Fixed(density)),
-                kinds: Kinds {
-                    disc: 1.0,
-                    r#box: f64::from(u8::from(boxes)),
-                    polygon: f64::from(u8::from(polygons)),
-                },
-                min_gap,
-                ..RoomSpec::default()
-            },
-        )
 }
 
 proptest! {
@@ -87,40 +74,17 @@ proptest! {
 #[test]
 fn a_mixture_draws_by_weight() {
     let part = |weight, world| WeightedWorld { weight, world };
-    let worlds = vec![
-        part(3.0, WorldSpec::Room10x15 {}),
-        part(1.0, WorldSpec::Room25x25 {}),
-    ];
+    let worlds = vec![part(3.0, WorldSpec::Room10x15 {}), part(1.0, WorldSpec::Room25x25 {})];
     let source = WorldSpec::Mixture { worlds }.build(&disc(0.25)).unwrap();
-    let small = (0..400)
-        .filter(|&k| {
-            source
-                .sample(&mut stream(1, "layout", k))
-                .unwrap()
-                .world
-                .room()
-                .width
-                < 20.0
-        })
-        .count();
-    assert!(
-        (260..340).contains(&small),
-        "{small} of 400 should be about 300"
-    );
+    let small =
+        (0..400).filter(|&k| source.sample(&mut stream(1, "layout", k)).unwrap().world.room().width < 20.0).count();
+    assert!((260..340).contains(&small), "{small} of 400 should be about 300");
 }
 
 #[test]
 fn what_does_not_fit_is_said() {
-    let build = |spec: RoomSpec| {
-        WorldSpec::Room(spec)
-            .build(&disc(0.25))
-            .unwrap_err()
-            .to_string()
-    };
-    let full = RoomSpec {
-        obstacles: Quantity::Count(500),
-        ..RoomSpec::default()
-    };
+    let build = |spec: RoomSpec| WorldSpec::Room(spec).build(&disc(0.25)).unwrap_err().to_string();
+    let full = RoomSpec { obstacles: Quantity::Count(500), ..RoomSpec::default() };
     let message = build(full);
     assert!(message.starts_with("cannot place obstacle "), "{message}");
     assert!(message.contains("of 500"), "{message}");
@@ -131,39 +95,15 @@ fn what_does_not_fit_is_said() {
         ..RoomSpec::default()
     };
     let message = build(divided);
-    assert!(
-        message.starts_with("found no start and goal at least 4 m apart"),
-        "{message}"
-    );
-    let far = RoomSpec {
-        start_goal_distance: 20.0,
-        ..RoomSpec::default()
-    };
-    assert_eq!(
-        build(far),
-        "start_goal_distance = 20: must be less than the room's diagonal, 18.03 m"
-    );
-    let nothing = WorldSpec::Mixture { worlds: vec![] }
-        .build(&disc(0.25))
-        .unwrap_err();
-    assert_eq!(
-        nothing.to_string(),
-        "worlds = []: must be one world or more"
-    );
+    assert!(message.starts_with("found no start and goal at least 4 m apart"), "{message}");
+    let far = RoomSpec { start_goal_distance: 20.0, ..RoomSpec::default() };
+    assert_eq!(build(far), "start_goal_distance = 20: must be less than the room's diagonal, 18.03 m");
+    let nothing = WorldSpec::Mixture { worlds: vec![] }.build(&disc(0.25)).unwrap_err();
+    assert_eq!(nothing.to_string(), "worlds = []: must be one world or more");
     let inner = WeightedWorld {
         weight: 1.0,
-        world: WorldSpec::Room(RoomSpec {
-            obstacle_radius: Interval::Fixed(-0.3),
-            ..RoomSpec::default()
-        }),
+        world: WorldSpec::Room(RoomSpec { obstacle_radius: Interval::Fixed(-0.3), ..RoomSpec::default() }),
     };
-    let nested = WorldSpec::Mixture {
-        worlds: vec![inner],
-    }
-    .build(&disc(0.25))
-    .unwrap_err();
-    assert_eq!(
-        nested.to_string(),
-        "worlds.0.world.obstacle_radius = -0.3: must be a finite number above 0"
-    );
+    let nested = WorldSpec::Mixture { worlds: vec![inner] }.build(&disc(0.25)).unwrap_err();
+    assert_eq!(nested.to_string(), "worlds.0.world.obstacle_radius = -0.3: must be a finite number above 0");
 }

@@ -135,7 +135,7 @@ pub struct EvaluateArgs {
     /// The policy file that a run wrote.
     #[arg(value_name = "POLICY")]
     pub policy: PathBuf,
-    /// The spec whose [evaluate] table names the worlds.
+    /// The spec whose table `evaluate` names the worlds.
     #[arg(long, value_name = "SPEC")]
     pub spec: PathBuf,
     /// Episodes in each world, instead of the spec's.

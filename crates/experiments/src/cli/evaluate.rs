@@ -42,10 +42,13 @@ pub fn execute(args: &EvaluateArgs, out: &mut dyn Write) -> Result<(), Error> {
         results.push((world.name.as_str(), set.drive_all(&mdp, &mut driver)?));
     }
     let report = report::of_policy(&results);
-    print(out, &match args.format {
-        EvaluateFormat::Table => report.table(),
-        EvaluateFormat::Json => report.json(),
-    })
+    print(
+        out,
+        &match args.format {
+            EvaluateFormat::Table => report.table(),
+            EvaluateFormat::Json => report.json(),
+        },
+    )
 }
 
 /// The spec's evaluation worlds, or the one that was asked for.

@@ -115,10 +115,10 @@ impl<'a> Plan<'a> {
                     .collect(),
             });
         }
-        let axes = grid.axes.iter().map(|axis| GridAxis {
-            name: axis.name.clone(),
-            levels: axis.levels.keys().cloned().collect(),
-        });
+        let axes = grid
+            .axes
+            .iter()
+            .map(|axis| GridAxis { name: axis.name.clone(), levels: axis.levels.keys().cloned().collect() });
         let index = Index { name: grid.name.clone(), axes: axes.collect(), cells };
         Ok(Self { runs, index })
     }

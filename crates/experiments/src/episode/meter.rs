@@ -108,9 +108,7 @@ impl EpisodeMeter {
             return Braking::No;
         }
         let stopping_distance = v * v / (2.0 * self.max_deceleration);
-        if self.braking == Braking::Needed
-            || sample.free_range <= stopping_distance + BRAKING_MARGIN
-        {
+        if self.braking == Braking::Needed || sample.free_range <= stopping_distance + BRAKING_MARGIN {
             Braking::Needed
         } else {
             Braking::Needless
@@ -129,8 +127,7 @@ impl EpisodeMeter {
             near_time: self.near_time,
             near_distance: self.near_distance,
             n_decelerations: self.n_decelerations,
-            n_needless_decelerations: self.n_needless_decelerations
-                + u32::from(self.braking == Braking::Needless),
+            n_needless_decelerations: self.n_needless_decelerations + u32::from(self.braking == Braking::Needless),
         }
     }
 }
@@ -148,23 +145,12 @@ fn spl(outcome: Outcome, distance: f64, geodesic: f64) -> f64 {
 mod tests {
     use super::*;
 
-    const CRUISE: Sample = Sample {
-        speed_before: 1.0,
-        speed_after: 1.0,
-        dt: 0.2,
-        distance: 0.2,
-        clearance: 2.0,
-        free_range: 5.0,
-    };
+    const CRUISE: Sample =
+        Sample { speed_before: 1.0, speed_after: 1.0, dt: 0.2, distance: 0.2, clearance: 2.0, free_range: 5.0 };
 
     fn speeds(meter: &mut EpisodeMeter, speeds: &[f64], free_range: f64) {
         for pair in speeds.windows(2) {
-            meter.push(&Sample {
-                speed_before: pair[0],
-                speed_after: pair[1],
-                free_range,
-                ..CRUISE
-            });
+            meter.push(&Sample { speed_before: pair[0], speed_after: pair[1], free_range, ..CRUISE });
         }
     }
 
@@ -177,17 +163,8 @@ mod tests {
     fn sums_time_and_distance_and_splits_off_the_near_part() {
         let mut meter = EpisodeMeter::new(2.0);
         meter.push(&CRUISE);
-        meter.push(&Sample {
-            clearance: 1.0,
-            distance: 0.25,
-            ..CRUISE
-        }); // the limit itself is not near
-        meter.push(&Sample {
-            clearance: 0.5,
-            distance: 0.5,
-            dt: 0.1,
-            ..CRUISE
-        });
+        meter.push(&Sample { clearance: 1.0, distance: 0.25, ..CRUISE }); // the limit itself is not near
+        meter.push(&Sample { clearance: 0.5, distance: 0.5, dt: 0.1, ..CRUISE });
         let record = meter.finish(7, Outcome::Collision, 3.0);
         assert_eq!(record.scenario, 7);
         assert!((record.duration - 0.5).abs() < 1e-12 && (record.distance - 0.95).abs() < 1e-12);
@@ -206,21 +183,10 @@ mod tests {
     #[test]
     fn losing_speed_at_the_threshold_is_no_deceleration() {
         let mut meter = EpisodeMeter::new(2.0);
-        let step = |speed_after| Sample {
-            speed_before: 0.0,
-            speed_after,
-            dt: 1.0,
-            ..CRUISE
-        };
-        meter.push(&Sample {
-            speed_before: 0.3,
-            ..step(0.0)
-        });
+        let step = |speed_after| Sample { speed_before: 0.0, speed_after, dt: 1.0, ..CRUISE };
+        meter.push(&Sample { speed_before: 0.3, ..step(0.0) });
         assert_eq!(counts(meter.clone()), (0, 0));
-        meter.push(&Sample {
-            speed_before: 0.31,
-            ..step(0.0)
-        });
+        meter.push(&Sample { speed_before: 0.31, ..step(0.0) });
         assert_eq!(counts(meter), (1, 1));
     }
 
@@ -240,12 +206,7 @@ mod tests {
             let mut meter = EpisodeMeter::new(2.0);
             for (step, speed) in [1.5, 1.1, 0.7].into_iter().enumerate() {
                 let free_range = if step == blocked { 0.1 } else { 9.0 };
-                meter.push(&Sample {
-                    speed_before: speed,
-                    speed_after: speed - 0.4,
-                    free_range,
-                    ..CRUISE
-                });
+                meter.push(&Sample { speed_before: speed, speed_after: speed - 0.4, free_range, ..CRUISE });
             }
             speeds(&mut meter, &[0.3, 0.5], 9.0);
             speeds(&mut meter, &[0.5, 0.3], 9.0); // the next one is judged afresh

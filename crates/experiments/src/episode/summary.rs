@@ -45,12 +45,7 @@ impl SeedSummary {
     pub fn of(episodes: &[EpisodeRecord]) -> Self {
         let total = |value: fn(&EpisodeRecord) -> f64| episodes.iter().map(value).sum::<f64>();
         let n = episodes.len() as f64;
-        let share = |outcome| {
-            ratio(
-                episodes.iter().filter(|e| e.outcome == outcome).count() as f64,
-                n,
-            )
-        };
+        let share = |outcome| ratio(episodes.iter().filter(|e| e.outcome == outcome).count() as f64, n);
         let distance = total(|e| e.distance);
         Self {
             n_episodes: episodes.len(),
@@ -59,27 +54,12 @@ impl SeedSummary {
             timeout: share(Outcome::Timeout),
             mean_speed: ratio(distance, total(|e| e.duration)),
             speed_in_successes: ratio(
-                total(|e| {
-                    if e.outcome == Outcome::Success {
-                        e.distance
-                    } else {
-                        0.0
-                    }
-                }),
-                total(|e| {
-                    if e.outcome == Outcome::Success {
-                        e.duration
-                    } else {
-                        0.0
-                    }
-                }),
+                total(|e| if e.outcome == Outcome::Success { e.distance } else { 0.0 }),
+                total(|e| if e.outcome == Outcome::Success { e.duration } else { 0.0 }),
             ),
             speed_near_obstacles: ratio(total(|e| e.near_distance), total(|e| e.near_time)),
             decelerations_per_m: ratio(total(|e| f64::from(e.n_decelerations)), distance),
-            needless_decelerations_per_m: ratio(
-                total(|e| f64::from(e.n_needless_decelerations)),
-                distance,
-            ),
+            needless_decelerations_per_m: ratio(total(|e| f64::from(e.n_needless_decelerations)), distance),
             spl: ratio(total(|e| e.spl), n),
         }
     }
@@ -202,11 +182,7 @@ mod tests {
             duration,
             distance,
             geodesic: 4.0,
-            spl: if outcome == Outcome::Success {
-                0.8
-            } else {
-                0.0
-            },
+            spl: if outcome == Outcome::Success { 0.8 } else { 0.0 },
             near_time: 1.0,
             near_distance: 0.5,
             n_decelerations: 3,
@@ -223,10 +199,7 @@ mod tests {
             episode(Outcome::Timeout, 10.0, 1.0),
         ]);
         assert_eq!(summary.n_episodes, 4);
-        assert_eq!(
-            (summary.success, summary.collision, summary.timeout),
-            (Some(0.5), Some(0.25), Some(0.25))
-        );
+        assert_eq!((summary.success, summary.collision, summary.timeout), (Some(0.5), Some(0.25), Some(0.25)));
         assert_eq!(summary.mean_speed, Some(12.0 / 20.0));
         assert_eq!(summary.speed_in_successes, Some(10.0 / 8.0));
         assert_eq!(summary.speed_near_obstacles, Some(0.5));
@@ -237,16 +210,9 @@ mod tests {
 
     #[test]
     fn what_cannot_be_measured_is_none() {
-        let stuck = EpisodeRecord {
-            near_time: 0.0,
-            near_distance: 0.0,
-            ..episode(Outcome::Timeout, 30.0, 0.0)
-        };
+        let stuck = EpisodeRecord { near_time: 0.0, near_distance: 0.0, ..episode(Outcome::Timeout, 30.0, 0.0) };
         let summary = SeedSummary::of(&[stuck]);
-        assert_eq!(
-            (summary.success, summary.mean_speed),
-            (Some(0.0), Some(0.0))
-        );
+        assert_eq!((summary.success, summary.mean_speed), (Some(0.0), Some(0.0)));
         assert_eq!(summary.speed_in_successes, None);
         assert_eq!(summary.speed_near_obstacles, None);
         assert_eq!(summary.decelerations_per_m, None); // it never moved

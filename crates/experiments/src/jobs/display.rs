@@ -42,21 +42,13 @@ struct Snapshot {
 impl Display {
     /// A bar if the standard error stream is a terminal, lines otherwise.
     pub fn auto() -> Self {
-        if io::stderr().is_terminal() {
-            Self::Bar
-        } else {
-            Self::Lines
-        }
+        if io::stderr().is_terminal() { Self::Bar } else { Self::Lines }
     }
 
     /// Shows the progress until the workers, who send one event per finished job, have all hung up.
     pub(super) fn follow(self, work: Work, events: &Receiver<()>, n_steps: &AtomicU64) {
         let bar = self.bar(work);
-        let period = if self == Self::Lines {
-            LINE_PERIOD
-        } else {
-            BAR_PERIOD
-        };
+        let period = if self == Self::Lines { LINE_PERIOD } else { BAR_PERIOD };
         let start = Instant::now();
         let (mut n_finished, mut due) = (0, start + period);
         let snapshot = |n_finished| Snapshot {
@@ -86,8 +78,7 @@ impl Display {
         if self != Self::Bar {
             return ProgressBar::hidden();
         }
-        let style = ProgressStyle::with_template("{bar:30} {percent:>3} %  {msg}")
-            .expect("a valid template");
+        let style = ProgressStyle::with_template("{bar:30} {percent:>3} %  {msg}").expect("a valid template");
         let bar = ProgressBar::new(work.n_steps).with_style(style);
         bar.set_message(format!("0 of {} runs", work.n_jobs));
         bar
@@ -117,14 +108,9 @@ impl Snapshot {
         let rate = self.n_steps as f64 / seconds.max(1e-9);
         let runs = format!("{} of {} runs", self.n_finished, self.work.n_jobs);
         if self.n_finished == self.work.n_jobs {
-            return format!(
-                "{runs}, {} env steps/s, took {}",
-                count(rate),
-                time(seconds)
-            );
+            return format!("{runs}, {} env steps/s, took {}", count(rate), time(seconds));
         }
-        let left = (self.n_steps > 0)
-            .then(|| (self.work.n_steps - self.n_steps.min(self.work.n_steps)) as f64 / rate);
+        let left = (self.n_steps > 0).then(|| (self.work.n_steps - self.n_steps.min(self.work.n_steps)) as f64 / rate);
         let left = left.map_or_else(String::new, |seconds| format!(", {} left", time(seconds)));
         format!("{runs}, {} env steps/s{left}", count(rate))
     }
@@ -154,37 +140,16 @@ mod tests {
     use super::*;
 
     fn text(n_finished: usize, n_steps: u64, seconds: u64) -> String {
-        let work = Work {
-            n_jobs: 40,
-            n_steps: 4_000_000,
-        };
-        Snapshot {
-            work,
-            n_finished,
-            n_steps,
-            elapsed: Duration::from_secs(seconds),
-        }
-        .text()
+        let work = Work { n_jobs: 40, n_steps: 4_000_000 };
+        Snapshot { work, n_finished, n_steps, elapsed: Duration::from_secs(seconds) }.text()
     }
 
     #[test]
     fn lines_of_progress() {
         assert_eq!(text(0, 0, 10), "0 of 40 runs, 0 env steps/s");
-        assert_eq!(
-            text(3, 1_000_000, 10),
-            "3 of 40 runs, 100k env steps/s, 30 s left"
-        );
-        assert_eq!(
-            text(3, 10_000, 10),
-            "3 of 40 runs, 1k env steps/s, 67 min left"
-        );
-        assert_eq!(
-            text(3, 1_000, 10),
-            "3 of 40 runs, 100 env steps/s, 11 h 7 min left"
-        );
-        assert_eq!(
-            text(40, 4_000_000, 3),
-            "40 of 40 runs, 1.3M env steps/s, took 3 s"
-        );
+        assert_eq!(text(3, 1_000_000, 10), "3 of 40 runs, 100k env steps/s, 30 s left");
+        assert_eq!(text(3, 10_000, 10), "3 of 40 runs, 1k env steps/s, 67 min left");
+        assert_eq!(text(3, 1_000, 10), "3 of 40 runs, 100 env steps/s, 11 h 7 min left");
+        assert_eq!(text(40, 4_000_000, 3), "40 of 40 runs, 1.3M env steps/s, took 3 s");
     }
 }

@@ -51,27 +51,10 @@ pub fn figure(trajectory: &Trajectory) -> String {
     let mut svg = Svg::default();
     let top_speed = round_top(trajectory.top_speed());
     let [width, height] = room::fit(trajectory, MAX_ROOM_WIDTH, HEIGHT);
-    let frame = Frame {
-        x: LEFT,
-        y: TOP,
-        width,
-        height,
-    };
+    let frame = Frame { x: LEFT, y: TOP, width, height };
     room::draw(&mut svg, frame, trajectory, top_speed, Labels::Metres);
-    colour::colour_bar(
-        &mut svg,
-        Frame {
-            x: frame.right() + 16.0,
-            width: 12.0,
-            ..frame
-        },
-        top_speed,
-    );
-    let right = Frame {
-        x: frame.right() + BAR + LEFT + 22.0,
-        width: SPEED_WIDTH,
-        ..frame
-    };
+    colour::colour_bar(&mut svg, Frame { x: frame.right() + 16.0, width: 12.0, ..frame }, top_speed);
+    let right = Frame { x: frame.right() + BAR + LEFT + 22.0, width: SPEED_WIDTH, ..frame };
     speed::draw(&mut svg, right, trajectory, top_speed);
     title(&mut svg, frame, &trajectory.title);
     title(&mut svg, right, &summary(trajectory));
@@ -81,50 +64,21 @@ pub fn figure(trajectory: &Trajectory) -> String {
 /// The picture of several drives as SVG: a room for each, with its outcome, in rows of five, coloured by one scale.
 pub fn small_multiples(trajectories: &[Trajectory]) -> String {
     let mut svg = Svg::default();
-    let top_speed = round_top(
-        trajectories
-            .iter()
-            .map(Trajectory::top_speed)
-            .fold(0.0, f64::max),
-    );
+    let top_speed = round_top(trajectories.iter().map(Trajectory::top_speed).fold(0.0, f64::max));
     let [width, height] = [180.0, 220.0];
     let n_columns = trajectories.len().clamp(1, N_COLUMNS);
     for (i, trajectory) in trajectories.iter().enumerate() {
         let (row, column) = ((i / n_columns) as f64, (i % n_columns) as f64);
         let [room_width, room_height] = room::fit(trajectory, width, height);
         let x = GAP + column * (width + GAP) + (width - room_width) / 2.0;
-        let frame = Frame {
-            x,
-            y: CAPTION + row * (height + CAPTION + 8.0),
-            width: room_width,
-            height: room_height,
-        };
+        let frame = Frame { x, y: CAPTION + row * (height + CAPTION + 8.0), width: room_width, height: room_height };
         room::draw(&mut svg, frame, trajectory, top_speed, Labels::None);
         let centre = frame.x + frame.width / 2.0;
-        svg.text(
-            [centre, frame.y - 22.0],
-            Anchor::Middle,
-            BOLD,
-            &trajectory.title,
-        );
-        svg.text(
-            [centre, frame.y - 7.0],
-            Anchor::Middle,
-            "",
-            &outcome(trajectory),
-        );
+        svg.text([centre, frame.y - 22.0], Anchor::Middle, BOLD, &trajectory.title);
+        svg.text([centre, frame.y - 7.0], Anchor::Middle, "", &outcome(trajectory));
     }
     let right = GAP + n_columns as f64 * (width + GAP);
-    colour::colour_bar(
-        &mut svg,
-        Frame {
-            x: right,
-            y: CAPTION,
-            width: 12.0,
-            height,
-        },
-        top_speed,
-    );
+    colour::colour_bar(&mut svg, Frame { x: right, y: CAPTION, width: 12.0, height }, top_speed);
     let n_rows = trajectories.len().div_ceil(n_columns).max(1) as f64;
     svg.document(right + BAR, n_rows * (height + CAPTION + 8.0) + 8.0)
 }
@@ -141,20 +95,12 @@ fn title(svg: &mut Svg, frame: Frame, text: &str) {
 }
 
 fn outcome(trajectory: &Trajectory) -> String {
-    format!(
-        "{} after {:.1} s",
-        trajectory.outcome.name(),
-        trajectory.duration()
-    )
+    format!("{} after {:.1} s", trajectory.outcome.name(), trajectory.duration())
 }
 
 fn summary(trajectory: &Trajectory) -> String {
     let (distance, duration) = (trajectory.distance(), trajectory.duration());
-    let mean = if duration > 0.0 {
-        format!(" at {:.2} m/s", distance / duration)
-    } else {
-        String::new()
-    };
+    let mean = if duration > 0.0 { format!(" at {:.2} m/s", distance / duration) } else { String::new() };
     format!("{}: {distance:.1} m{mean}", outcome(trajectory))
 }
 
@@ -165,26 +111,14 @@ mod tests {
     use crate::plot::{Outline, PathSample};
 
     fn drive(outcome: Outcome, n: u32) -> Trajectory {
-        let sample = |i| PathSample {
-            t: 0.2 * i,
-            x: 1.0 + 0.3 * i,
-            y: 2.0 + 0.4 * i,
-            yaw: 0.9,
-            speed: 0.1 * i,
-        };
+        let sample = |i| PathSample { t: 0.2 * i, x: 1.0 + 0.3 * i, y: 2.0 + 0.4 * i, yaw: 0.9, speed: 0.1 * i };
         Trajectory {
             title: "a <room>".into(),
             width: 10.0,
             height: 15.0,
             obstacles: vec![
-                Outline::Disc {
-                    x: 5.0,
-                    y: 4.0,
-                    radius: 0.5,
-                },
-                Outline::Polygon {
-                    points: vec![[1.0, 8.0], [2.0, 8.0], [1.5, 9.0]],
-                },
+                Outline::Disc { x: 5.0, y: 4.0, radius: 0.5 },
+                Outline::Polygon { points: vec![[1.0, 8.0], [2.0, 8.0], [1.5, 9.0]] },
             ],
             goal: [4.0, 6.0],
             reach_radius: 0.5,
@@ -197,30 +131,16 @@ mod tests {
     #[test]
     fn a_figure_shows_its_parts_true_to_scale() {
         let svg = figure(&drive(Outcome::Collision, 11));
-        assert!(
-            svg.contains("a &lt;room&gt;")
-                && svg.contains("collision after 2.0 s: 5.0 m at 2.50 m/s")
-        );
+        assert!(svg.contains("a &lt;room&gt;") && svg.contains("collision after 2.0 s: 5.0 m at 2.50 m/s"));
         // 360 pixels for 15 m: 24 per metre. The disc at (5, 4) is 11 m below the upper wall.
-        assert!(
-            svg.contains(r#"<circle cx="174" cy="298" r="12" "#),
-            "{svg}"
-        );
+        assert!(svg.contains(r#"<circle cx="174" cy="298" r="12" "#), "{svg}");
         assert!(svg.contains(r#"<polygon points="78,202 102,202 90,178" "#));
-        assert_eq!(
-            svg.matches("#c1272d").count(),
-            2,
-            "the cross of a collision"
-        );
+        assert_eq!(svg.matches("#c1272d").count(), 2, "the cross of a collision");
     }
 
     #[test]
     fn a_drive_without_samples_or_motion_is_drawn_too() {
-        for svg in [
-            figure(&drive(Outcome::Timeout, 0)),
-            figure(&drive(Outcome::Timeout, 1)),
-            small_multiples(&[]),
-        ] {
+        for svg in [figure(&drive(Outcome::Timeout, 0)), figure(&drive(Outcome::Timeout, 1)), small_multiples(&[])] {
             assert!(!svg.contains("NaN") && !svg.contains("inf") && svg.ends_with("</svg>\n"));
         }
     }
@@ -229,9 +149,6 @@ mod tests {
     fn small_multiples_share_their_colours() {
         let svg = small_multiples(&[drive(Outcome::Success, 4), drive(Outcome::Success, 16)]);
         assert_eq!(svg.matches("success after").count(), 2);
-        assert!(
-            svg.contains(">1.5</text>") && !svg.contains(">0.3</text>"),
-            "the scale is that of the faster one"
-        );
+        assert!(svg.contains(">1.5</text>") && !svg.contains(">0.3</text>"), "the scale is that of the faster one");
     }
 }

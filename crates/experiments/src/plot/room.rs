@@ -39,25 +39,14 @@ pub(super) fn fit(trajectory: &Trajectory, max_width: f64, max_height: f64) -> [
 }
 
 /// Draws the room, its obstacles, the goal and the drive into a frame of the room's proportions.
-pub(super) fn draw(
-    svg: &mut Svg,
-    frame: Frame,
-    trajectory: &Trajectory,
-    top_speed: f64,
-    labels: Labels,
-) {
+pub(super) fn draw(svg: &mut Svg, frame: Frame, trajectory: &Trajectory, top_speed: f64, labels: Labels) {
     let view = View {
         x: Scale::new([0.0, trajectory.width], [frame.x, frame.right()]),
         y: Scale::new([0.0, trajectory.height], [frame.bottom(), frame.y]),
         pixels_per_metre: frame.width / trajectory.width,
     };
     // An inner picture cuts off what reaches beyond the walls.
-    let Frame {
-        x,
-        y,
-        width,
-        height,
-    } = frame;
+    let Frame { x, y, width, height } = frame;
     svg.raw(&format!(r#"<svg x="{x}" y="{y}" width="{width}" height="{height}" viewBox="{x} {y} {width} {height}">"#));
     svg.rect(frame, r##"fill="#fbfbfb""##);
     for obstacle in &trajectory.obstacles {
@@ -66,10 +55,7 @@ pub(super) fn draw(
     draw_goal(svg, &view, trajectory);
     draw_drive(svg, &view, trajectory, top_speed);
     svg.raw("</svg>");
-    svg.rect(
-        frame,
-        &format!(r#"fill="none" stroke="{INK}" stroke-width="1.6""#),
-    );
+    svg.rect(frame, &format!(r#"fill="none" stroke="{INK}" stroke-width="1.6""#));
     if labels == Labels::Metres {
         draw_labels(svg, frame, &view);
     }
@@ -90,28 +76,16 @@ fn draw_obstacle(svg: &mut Svg, view: &View, outline: &Outline) {
 
 fn draw_goal(svg: &mut Svg, view: &View, trajectory: &Trajectory) {
     let centre = view.point(trajectory.goal);
-    let style = format!(
-        r#"fill="{GOAL}" fill-opacity="0.15" stroke="{GOAL}" stroke-width="1.4" stroke-dasharray="4 3""#
-    );
-    svg.circle(
-        centre,
-        trajectory.reach_radius * view.pixels_per_metre,
-        &style,
-    );
+    let style =
+        format!(r#"fill="{GOAL}" fill-opacity="0.15" stroke="{GOAL}" stroke-width="1.4" stroke-dasharray="4 3""#);
+    svg.circle(centre, trajectory.reach_radius * view.pixels_per_metre, &style);
     svg.polygon(&star(centre, 6.0), &format!(r#"fill="{GOAL}""#));
 }
 
 /// A star of five points.
 fn star([x, y]: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
     let point = |k: u32| {
-        let (radius, angle) = (
-            if k.is_multiple_of(2) {
-                radius
-            } else {
-                0.4 * radius
-            },
-            f64::from(k) * PI / 5.0,
-        );
+        let (radius, angle) = (if k.is_multiple_of(2) { radius } else { 0.4 * radius }, f64::from(k) * PI / 5.0);
         [x + radius * angle.sin(), y - radius * angle.cos()]
     };
     (0..10).map(point).collect()
@@ -124,17 +98,11 @@ fn draw_drive(svg: &mut Svg, view: &View, trajectory: &Trajectory, top_speed: f6
     };
     draw_vehicle(svg, view, last, trajectory.footprint_radius, "white");
     draw_vehicle(svg, view, first, trajectory.footprint_radius, "#f4b942");
-    let points: Vec<_> = samples
-        .iter()
-        .map(|sample| view.point([sample.x, sample.y]))
-        .collect();
+    let points: Vec<_> = samples.iter().map(|sample| view.point([sample.x, sample.y])).collect();
     let speeds: Vec<_> = samples.iter().map(|sample| sample.speed).collect();
     coloured_line(svg, &points, &speeds, top_speed);
     if trajectory.outcome == Outcome::Collision {
-        let ([x, y], style) = (
-            view.point([last.x, last.y]),
-            format!(r#"stroke="{HIT}" stroke-width="2.6""#),
-        );
+        let ([x, y], style) = (view.point([last.x, last.y]), format!(r#"stroke="{HIT}" stroke-width="2.6""#));
         svg.line([x - 6.0, y - 6.0], [x + 6.0, y + 6.0], &style);
         svg.line([x - 6.0, y + 6.0], [x + 6.0, y - 6.0], &style);
     }
@@ -142,10 +110,7 @@ fn draw_drive(svg: &mut Svg, view: &View, trajectory: &Trajectory, top_speed: f6
 
 /// The footprint's disc and the radius that points ahead.
 fn draw_vehicle(svg: &mut Svg, view: &View, sample: &PathSample, radius: f64, fill: &str) {
-    let nose = [
-        sample.x + radius * sample.yaw.cos(),
-        sample.y + radius * sample.yaw.sin(),
-    ];
+    let nose = [sample.x + radius * sample.yaw.cos(), sample.y + radius * sample.yaw.sin()];
     let centre = view.point([sample.x, sample.y]);
     let style = format!(r#"fill="{fill}" stroke="{INK}" stroke-width="1.3""#);
     svg.circle(centre, radius * view.pixels_per_metre, &style);
@@ -164,11 +129,6 @@ fn draw_labels(svg: &mut Svg, frame: Frame, view: &View) {
         svg.line([frame.x - 4.0, y], [frame.x, y], &style);
         svg.text([frame.x - 7.0, y + 4.0], Anchor::End, "", &label);
     }
-    svg.text(
-        [frame.x + frame.width / 2.0, frame.bottom() + 36.0],
-        Anchor::Middle,
-        "",
-        "x (m)",
-    );
+    svg.text([frame.x + frame.width / 2.0, frame.bottom() + 36.0], Anchor::Middle, "", "x (m)");
     svg.text_upwards([frame.x - 32.0, frame.y + frame.height / 2.0], "y (m)");
 }

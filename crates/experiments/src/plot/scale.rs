@@ -24,22 +24,15 @@ impl Scale {
         let step = round_step((high - low) / n as f64);
         let decimals = (-step.log10().floor()).max(0.0) as usize;
         let slack = 1e-9 * (high - low);
-        let (first, last) = (
-            ((low - slack) / step).ceil() as i64,
-            ((high + slack) / step).floor() as i64,
-        );
-        (first..=last)
-            .map(|k| (k as f64 * step, format!("{:.decimals$}", k as f64 * step)))
-            .collect()
+        let (first, last) = (((low - slack) / step).ceil() as i64, ((high + slack) / step).floor() as i64);
+        (first..=last).map(|k| (k as f64 * step, format!("{:.decimals$}", k as f64 * step))).collect()
     }
 }
 
 /// The next of ..., 0.1, 0.2, 0.5, 1, 2, 5, 10, ... that is no smaller.
 pub(super) fn round_step(step: f64) -> f64 {
     let power = 10_f64.powf(step.log10().floor());
-    let factor = [1.0, 2.0, 5.0, 10.0]
-        .into_iter()
-        .find(|factor| factor * power >= step * (1.0 - 1e-9));
+    let factor = [1.0, 2.0, 5.0, 10.0].into_iter().find(|factor| factor * power >= step * (1.0 - 1e-9));
     factor.unwrap_or(10.0) * power
 }
 
@@ -57,11 +50,7 @@ mod tests {
     use super::*;
 
     fn labels(values: [f64; 2], n: usize) -> Vec<String> {
-        Scale::new(values, [0.0, 1.0])
-            .ticks(n)
-            .into_iter()
-            .map(|(_, label)| label)
-            .collect()
+        Scale::new(values, [0.0, 1.0]).ticks(n).into_iter().map(|(_, label)| label).collect()
     }
 
     #[test]
@@ -76,26 +65,13 @@ mod tests {
     #[test]
     fn a_scale_may_run_backwards() {
         let scale = Scale::new([0.0, 10.0], [300.0, 100.0]);
-        assert_eq!(
-            [scale.pixel(0.0), scale.pixel(2.5), scale.pixel(10.0)],
-            [300.0, 250.0, 100.0]
-        );
+        assert_eq!([scale.pixel(0.0), scale.pixel(2.5), scale.pixel(10.0)], [300.0, 250.0, 100.0]);
     }
 
     #[test]
     fn tops_are_round_and_near() {
-        for (value, top) in [
-            (0.0, 1.0),
-            (1.5, 1.5),
-            (1.2, 1.25),
-            (1.93, 2.0),
-            (0.43, 0.45),
-        ] {
-            assert!(
-                (round_top(value) - top).abs() < 1e-9,
-                "{value} gave {}",
-                round_top(value)
-            );
+        for (value, top) in [(0.0, 1.0), (1.5, 1.5), (1.2, 1.25), (1.93, 2.0), (0.43, 0.45)] {
+            assert!((round_top(value) - top).abs() < 1e-9, "{value} gave {}", round_top(value));
         }
     }
 }

@@ -50,16 +50,12 @@ impl Svg {
     /// A straight line; `style` holds further attributes, as in all that follow.
     pub(super) fn line(&mut self, from: [f64; 2], to: [f64; 2], style: &str) {
         let ([x1, y1], [x2, y2]) = (from.map(number), to.map(number));
-        self.raw(&format!(
-            r#"<line x1="{x1}" y1="{y1}" x2="{x2}" y2="{y2}" {style}/>"#
-        ));
+        self.raw(&format!(r#"<line x1="{x1}" y1="{y1}" x2="{x2}" y2="{y2}" {style}/>"#));
     }
 
     pub(super) fn rect(&mut self, frame: Frame, style: &str) {
         let [x, y, width, height] = [frame.x, frame.y, frame.width, frame.height].map(number);
-        self.raw(&format!(
-            r#"<rect x="{x}" y="{y}" width="{width}" height="{height}" {style}/>"#
-        ));
+        self.raw(&format!(r#"<rect x="{x}" y="{y}" width="{width}" height="{height}" {style}/>"#));
     }
 
     pub(super) fn circle(&mut self, centre: [f64; 2], radius: f64, style: &str) {
@@ -82,9 +78,7 @@ impl Svg {
             Anchor::End => "end",
         };
         let ([x, y], text) = ([x, y].map(number), escaped(text));
-        self.raw(&format!(
-            r#"<text x="{x}" y="{y}" text-anchor="{anchor}" {style}>{text}</text>"#
-        ));
+        self.raw(&format!(r#"<text x="{x}" y="{y}" text-anchor="{anchor}" {style}>{text}</text>"#));
     }
 
     /// A text that reads upwards, centred at a position.
@@ -110,11 +104,7 @@ impl Svg {
 fn number(value: f64) -> String {
     let text = format!("{value:.2}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" {
-        "0".to_owned()
-    } else {
-        text.to_owned()
-    }
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
 fn list(points: &[[f64; 2]]) -> String {
@@ -127,9 +117,7 @@ fn list(points: &[[f64; 2]]) -> String {
 }
 
 fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 #[cfg(test)]
@@ -138,19 +126,13 @@ mod tests {
 
     #[test]
     fn numbers_are_short() {
-        assert_eq!(
-            [0.0, -0.001, 1.0, 2.5, 3.456, -120.0].map(number),
-            ["0", "0", "1", "2.5", "3.46", "-120"]
-        );
+        assert_eq!([0.0, -0.001, 1.0, 2.5, 3.456, -120.0].map(number), ["0", "0", "1", "2.5", "3.46", "-120"]);
     }
 
     #[test]
     fn text_is_escaped() {
         let mut svg = Svg::default();
         svg.text([1.0, 2.0], Anchor::End, "", "a < b & c");
-        assert_eq!(
-            svg.body,
-            "<text x=\"1\" y=\"2\" text-anchor=\"end\" >a &lt; b &amp; c</text>\n"
-        );
+        assert_eq!(svg.body, "<text x=\"1\" y=\"2\" text-anchor=\"end\" >a &lt; b &amp; c</text>\n");
     }
 }

@@ -20,23 +20,14 @@ impl Report {
 fn header(axes: &[String]) -> Vec<String> {
     let mut fields = axes.to_vec();
     fields.extend(["world", "seeds", "episodes"].map(str::to_owned));
-    fields.extend(
-        Metric::ALL
-            .iter()
-            .flat_map(|m| ["", "_low", "_high"].map(|end| format!("{}{end}", m.name()))),
-    );
+    fields.extend(Metric::ALL.iter().flat_map(|m| ["", "_low", "_high"].map(|end| format!("{}{end}", m.name()))));
     fields
 }
 
 fn record(row: &Row) -> Vec<String> {
     let mut fields: Vec<String> = row.axes.iter().map(|level| level.level.clone()).collect();
-    fields.extend([
-        row.world.clone(),
-        row.n_seeds.to_string(),
-        row.n_episodes.to_string(),
-    ]);
+    fields.extend([row.world.clone(), row.n_seeds.to_string(), row.n_episodes.to_string()]);
     let numbers = row.estimates.iter().flat_map(|e| [e.mean, e.low, e.high]);
-    fields
-        .extend(numbers.map(|number| number.map_or_else(String::new, |number| number.to_string())));
+    fields.extend(numbers.map(|number| number.map_or_else(String::new, |number| number.to_string())));
     fields
 }

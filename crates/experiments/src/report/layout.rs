@@ -22,18 +22,13 @@ pub(super) enum Align {
 
 impl Column {
     fn width(&self) -> usize {
-        self.cells
-            .iter()
-            .map(|cell| cell.chars().count())
-            .max()
-            .unwrap_or(0)
+        self.cells.iter().map(|cell| cell.chars().count()).max().unwrap_or(0)
     }
 }
 
 /// The width of the table, in characters.
 pub(super) fn width(columns: &[&Column]) -> usize {
-    columns.iter().map(|column| column.width()).sum::<usize>()
-        + GAP * columns.len().saturating_sub(1)
+    columns.iter().map(|column| column.width()).sum::<usize>() + GAP * columns.len().saturating_sub(1)
 }
 
 /// The table's lines, with a rule below the first `n_header`.

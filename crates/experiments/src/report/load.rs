@@ -5,10 +5,7 @@ use std::path::Path;
 
 use super::{Interval, Report, Row};
 use crate::episode::SeedSummary;
-use crate::store::{
-    Cell, EvaluationFolder, Index, IndexedEvaluation, RESULTS_VERSION, RunFolder, RunInfo,
-    StoreError,
-};
+use crate::store::{Cell, EvaluationFolder, Index, IndexedEvaluation, RESULTS_VERSION, RunFolder, RunInfo, StoreError};
 
 /// The report on the grid in the results folder at `root`, as far as it has come; needs no lock.
 ///
@@ -19,45 +16,25 @@ pub fn load(root: &Path) -> Result<Report, StoreError> {
     let index = Index::load(root)?;
     let (mut rows, mut infos, mut n_complete, mut n_runs) = (Vec::new(), Vec::new(), 0, 0);
     for cell in &index.cells {
-        let runs: Vec<_> = cell
-            .runs
-            .iter()
-            .map(|run| RunFolder::new(root, &run.train_id))
-            .collect();
+        let runs: Vec<_> = cell.runs.iter().map(|run| RunFolder::new(root, &run.train_id)).collect();
         for run in runs.iter().filter(|run| run.is_complete()) {
             infos.push(run.info()?);
             n_complete += usize::from(is_evaluated(run, cell));
         }
         n_runs += runs.len();
         for evaluation in &cell.evaluations {
-            rows.push(Row::of_seeds(
-                cell.axes.clone(),
-                evaluation.world.clone(),
-                &summaries(&runs, evaluation)?,
-            ));
+            rows.push(Row::of_seeds(cell.axes.clone(), evaluation.world.clone(), &summaries(&runs, evaluation)?));
         }
     }
     let axes = index.axes.into_iter().map(|axis| axis.name).collect();
-    Ok(Report {
-        axes,
-        rows,
-        interval: Interval::Seeds,
-        n_complete,
-        n_runs,
-        warnings: warnings(&infos),
-    })
+    Ok(Report { axes, rows, interval: Interval::Seeds, n_complete, n_runs, warnings: warnings(&infos) })
 }
 
 fn is_evaluated(run: &RunFolder, cell: &Cell) -> bool {
-    cell.evaluations
-        .iter()
-        .all(|evaluation| run.evaluation(&evaluation.eval_id).is_complete())
+    cell.evaluations.iter().all(|evaluation| run.evaluation(&evaluation.eval_id).is_complete())
 }
 
-fn summaries(
-    runs: &[RunFolder],
-    evaluation: &IndexedEvaluation,
-) -> Result<Vec<SeedSummary>, StoreError> {
+fn summaries(runs: &[RunFolder], evaluation: &IndexedEvaluation) -> Result<Vec<SeedSummary>, StoreError> {
     runs.iter()
         .filter(|run| run.is_complete())
         .map(|run| run.evaluation(&evaluation.eval_id))
@@ -72,24 +49,15 @@ fn warnings(infos: &[RunInfo]) -> Vec<String> {
     let revisions = counts(infos.iter().map(|info| info.revision.clone()));
     let mut warnings = Vec::new();
     if versions.len() > 1 {
-        warnings.push(format!(
-            "runs of several results versions: {}",
-            listed(&versions)
-        ));
-    } else if versions
-        .keys()
-        .any(|version| *version != RESULTS_VERSION.to_string())
-    {
+        warnings.push(format!("runs of several results versions: {}", listed(&versions)));
+    } else if versions.keys().any(|version| *version != RESULTS_VERSION.to_string()) {
         warnings.push(format!(
             "all runs are of results version {}; this program makes {RESULTS_VERSION}",
             listed(&versions)
         ));
     }
     if revisions.len() > 1 {
-        warnings.push(format!(
-            "runs of several code revisions: {}",
-            listed(&revisions)
-        ));
+        warnings.push(format!("runs of several code revisions: {}", listed(&revisions)));
     }
     warnings
 }
@@ -102,9 +70,6 @@ fn counts(values: impl Iterator<Item = String>) -> BTreeMap<String, usize> {
 }
 
 fn listed(counts: &BTreeMap<String, usize>) -> String {
-    let parts: Vec<_> = counts
-        .iter()
-        .map(|(value, n)| format!("{value} ({n} runs)"))
-        .collect();
+    let parts: Vec<_> = counts.iter().map(|(value, n)| format!("{value} ({n} runs)")).collect();
     parts.join(", ")
 }

@@ -9,12 +9,8 @@ use crate::stats::Estimate;
 const N_HEADER: usize = 3;
 
 /// The metrics that leave the table if it is too wide, first to last.
-const DISPENSABLE: [Metric; 4] = [
-    Metric::DecelerationsPerM,
-    Metric::Spl,
-    Metric::NeedlessDecelerationsPerM,
-    Metric::SpeedNearObstacles,
-];
+const DISPENSABLE: [Metric; 4] =
+    [Metric::DecelerationsPerM, Metric::Spl, Metric::NeedlessDecelerationsPerM, Metric::SpeedNearObstacles];
 
 const DEFINITIONS: &str = "mean speed: all distance / all time, failures included; near obstacles: clearance < 1 m; \
                            needless: the way was clear";
@@ -43,12 +39,7 @@ impl Report {
     }
 
     fn labels(&self) -> Vec<Column> {
-        let mut labels: Vec<Column> = self
-            .axes
-            .iter()
-            .enumerate()
-            .map(|(k, axis)| self.axis(k, axis))
-            .collect();
+        let mut labels: Vec<Column> = self.axes.iter().enumerate().map(|(k, axis)| self.axis(k, axis)).collect();
         labels.push(self.label(Align::Left, "world", |row| row.world.clone()));
         if self.common(|row| row.n_seeds).is_none() {
             labels.push(self.label(Align::Right, "seeds", |row| row.n_seeds.to_string()));
@@ -64,13 +55,7 @@ impl Report {
         let header = ["", name, ""].map(str::to_owned).into_iter();
         Column {
             align,
-            cells: header
-                .chain(
-                    self.rows
-                        .iter()
-                        .flat_map(|row| self.pad(cell(row), String::new())),
-                )
-                .collect(),
+            cells: header.chain(self.rows.iter().flat_map(|row| self.pad(cell(row), String::new()))).collect(),
         }
     }
 
@@ -82,55 +67,26 @@ impl Report {
     fn metric(&self, metric: Metric) -> Column {
         let cells = self.rows.iter().flat_map(|row| {
             let estimate = row.estimate(metric);
-            self.pad(
-                mean_cell(estimate, metric.quantity(), row.n_seeds),
-                interval_cell(estimate, metric.quantity()),
-            )
+            self.pad(mean_cell(estimate, metric.quantity(), row.n_seeds), interval_cell(estimate, metric.quantity()))
         });
-        Column {
-            align: Align::Right,
-            cells: header(metric)
-                .map(str::to_owned)
-                .into_iter()
-                .chain(cells)
-                .collect(),
-        }
+        Column { align: Align::Right, cells: header(metric).map(str::to_owned).into_iter().chain(cells).collect() }
     }
 
     /// The line of means and, if the report has any interval, the line of intervals.
     fn pad(&self, mean: String, interval: String) -> Vec<String> {
-        let any = self
-            .rows
-            .iter()
-            .flat_map(|row| &row.estimates)
-            .any(|estimate| estimate.low.is_some());
-        if any {
-            vec![mean, interval]
-        } else {
-            vec![mean]
-        }
+        let any = self.rows.iter().flat_map(|row| &row.estimates).any(|estimate| estimate.low.is_some());
+        if any { vec![mean, interval] } else { vec![mean] }
     }
 
     fn legend(&self, metrics: &[Metric]) -> Vec<String> {
         let mut legend = vec![self.meaning(), DEFINITIONS.to_owned()];
         let partly = |estimate: Estimate, row: &Row| 0 < estimate.n && estimate.n < row.n_seeds;
-        if self.rows.iter().any(|row| {
-            metrics
-                .iter()
-                .any(|metric| partly(row.estimate(*metric), row))
-        }) {
+        if self.rows.iter().any(|row| metrics.iter().any(|metric| partly(row.estimate(*metric), row))) {
             legend.push("* undefined in some of the seeds; the mean is over the others".to_owned());
         }
-        let left_out: Vec<_> = Metric::ALL
-            .iter()
-            .filter(|m| !metrics.contains(m))
-            .map(|m| m.name())
-            .collect();
+        let left_out: Vec<_> = Metric::ALL.iter().filter(|m| !metrics.contains(m)).map(|m| m.name()).collect();
         if !left_out.is_empty() {
-            legend.push(format!(
-                "left out for want of room (see --format json or csv): {}",
-                left_out.join(", ")
-            ));
+            legend.push(format!("left out for want of room (see --format json or csv): {}", left_out.join(", ")));
         }
         legend
     }
@@ -139,35 +95,18 @@ impl Report {
     fn meaning(&self) -> String {
         let of_a_seed = |row: &Row| row.n_episodes.checked_div(row.n_seeds);
         let mut episodes = self.rows.iter().filter_map(of_a_seed);
-        let first = episodes
-            .next()
-            .filter(|n| episodes.all(|other| other == *n));
-        let part = |per: &str| {
-            first.map_or_else(String::new, |n| format!(", {} {per}", count(n, "episode")))
-        };
+        let first = episodes.next().filter(|n| episodes.all(|other| other == *n));
+        let part = |per: &str| first.map_or_else(String::new, |n| format!(", {} {per}", count(n, "episode")));
         match (self.interval, self.common(|row| row.n_seeds)) {
             (Interval::Episodes, _) => {
-                format!(
-                    "One policy{}; below the rates: 95 % Wilson intervals over the episodes.",
-                    part("a world")
-                )
+                format!("One policy{}; below the rates: 95 % Wilson intervals over the episodes.", part("a world"))
             }
             (Interval::Seeds, Some(n @ ..3)) => {
-                format!(
-                    "Mean over {}{}; no intervals below 3 seeds.",
-                    count(n, "training seed"),
-                    part("each")
-                )
+                format!("Mean over {}{}; no intervals below 3 seeds.", count(n, "training seed"), part("each"))
             }
             (Interval::Seeds, n) => {
-                let seeds = n.map_or_else(
-                    || "the training seeds".to_owned(),
-                    |n| count(n, "training seed"),
-                );
-                format!(
-                    "Mean over {seeds}{}; below it: 95 % percentile bootstrap over the seeds.",
-                    part("each")
-                )
+                let seeds = n.map_or_else(|| "the training seeds".to_owned(), |n| count(n, "training seed"));
+                format!("Mean over {seeds}{}; below it: 95 % percentile bootstrap over the seeds.", part("each"))
             }
         }
     }
@@ -175,10 +114,7 @@ impl Report {
     /// The value that all the rows share.
     fn common(&self, value: impl Fn(&Row) -> usize) -> Option<usize> {
         let first = value(self.rows.first()?);
-        self.rows
-            .iter()
-            .all(|row| value(row) == first)
-            .then_some(first)
+        self.rows.iter().all(|row| value(row) == first).then_some(first)
     }
 }
 
@@ -197,24 +133,13 @@ fn header(metric: Metric) -> [&'static str; N_HEADER] {
 }
 
 fn mean_cell(estimate: Estimate, quantity: Quantity, n_seeds: usize) -> String {
-    let mark = if estimate.n > 0 && estimate.n < n_seeds {
-        "*"
-    } else {
-        ""
-    };
-    estimate.mean.map_or_else(
-        || "\u{2013}".to_owned(),
-        |mean| number(mean, quantity) + mark,
-    )
+    let mark = if estimate.n > 0 && estimate.n < n_seeds { "*" } else { "" };
+    estimate.mean.map_or_else(|| "\u{2013}".to_owned(), |mean| number(mean, quantity) + mark)
 }
 
 fn interval_cell(estimate: Estimate, quantity: Quantity) -> String {
     match (estimate.low, estimate.high) {
-        (Some(low), Some(high)) => format!(
-            "{}\u{2013}{}",
-            number(low, quantity),
-            number(high, quantity)
-        ),
+        (Some(low), Some(high)) => format!("{}\u{2013}{}", number(low, quantity), number(high, quantity)),
         _ => String::new(),
     }
 }

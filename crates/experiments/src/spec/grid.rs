@@ -124,14 +124,14 @@ impl Loader<'_> {
             run.set(&step.path, step.value.clone()).map_err(|refusal| self.locate(refusal, &steps[..=index]))?;
         }
         let cell = Cell { axes: levels, spec: run.spec };
-        match cell.spec.check() {
-            Ok(()) => Ok(cell),
-            Err(fault) => {
-                let is_shared = base.spec.check().as_ref() == Err(&fault);
-                let error = self.locate(fault.in_tree(&run.tree), &steps);
-                Err(if is_shared || cell.axes.is_empty() { error } else { error.in_cell(&cell.label()) })
-            }
-        }
+        cell.spec.check().map_err(|fault| {
+            let is_shared = base.spec.check().as_ref() == Err(&fault);
+            let error = self.locate(fault.in_tree(&run.tree), &steps);
+            // Where neither a level nor the base alone is to blame, it takes this cell to see the fault.
+            let needs_cell = !is_shared && matches!(*error.place, Place::File { part: None, .. });
+            if needs_cell { error.in_cell(&cell.label()) } else { error }
+        })?;
+        Ok(cell)
     }
 
     /// The replacements of a cell in order: its levels, the `when`s it matches, the command line.

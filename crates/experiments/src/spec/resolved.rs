@@ -239,4 +239,17 @@ mod tests {
         let set = "shapes=[{ type = 'disc', radius = 1 }, { type = 'box', length = 1, width = 1, radius = 1 }]";
         assert_eq!(after(set).unwrap_err().path.to_string(), "shapes.1.radius");
     }
+
+    #[test]
+    fn of_two_equal_mistakes_the_first_one_is_named() {
+        let set = "shapes=[{ type = 'disc', radius = 1 }, { type = 'disc', radus = 1 }, { type = 'disc', radus = 1 }]";
+        assert_eq!(after(set).unwrap_err().path.to_string(), "shapes.1.radus");
+        let set =
+            "shapes=[{ type = 'disc', radius = 1 }, { type = 'disc', radius = 'x' }, { type = 'disc', radius = 'x' }]";
+        assert_eq!(after(set).unwrap_err().path.to_string(), "shapes.1.radius");
+        assert_eq!(
+            after("shapes=[{ type = 'disk' }, { type = 'disk' }]").unwrap_err().path.to_string(),
+            "shapes.0.type"
+        );
+    }
 }

@@ -115,26 +115,22 @@ fn reached(path: &Path, root: &Value) -> KeyPath {
     reached
 }
 
-/// The deepest value below `start` without which serde would not say `message`.
+/// The first value below `start` that serde said `message` of.
 ///
-/// Serde reads a table with a `type` through a buffer and forgets where in it an error was, so we ask again without
-/// each candidate. That costs one parse per candidate, on the way to an error only.
+/// Serde reads a table with a `type` through a buffer and forgets where in it an error was. But it stops at the first
+/// error, so we take values away from the end, children before parents, until it says something else. That costs one
+/// parse per value, on the way to an error only.
 fn culprit<T: DeserializeOwned>(root: &Value, start: KeyPath, message: &str) -> KeyPath {
     let why = Why::of(message);
-    let responsible = |candidate: &KeyPath| {
-        let answer: Result<T, _> = path::without(root, candidate).try_into();
-        answer.map_or_else(|error| one_line(&error) != message, |_| true)
+    let mut rest = root.clone();
+    let mut still_says_it = |candidate: &KeyPath| {
+        rest = path::without(&rest, candidate);
+        let answer: Result<T, _> = rest.clone().try_into();
+        answer.is_err_and(|error| one_line(&error) == message)
     };
-    path::descendants(root, &start)
-        .into_iter()
-        .filter(|candidate| why.may_be_at(root, candidate, message))
-        .filter(responsible)
-        .fold(
-            start,
-            |deepest, candidate| {
-                if candidate.segments().len() > deepest.segments().len() { candidate } else { deepest }
-            },
-        )
+    let candidates = path::descendants(root, &start).into_iter().rev();
+    let mut candidates = candidates.filter(|candidate| why.may_be_at(root, candidate, message));
+    candidates.find(|candidate| !still_says_it(candidate)).unwrap_or(start)
 }
 
 impl Why {

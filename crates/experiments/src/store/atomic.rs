@@ -11,11 +11,8 @@ pub(super) fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), StoreErr
     let mut beside = path.as_os_str().to_owned();
     beside.push(".partial");
     let beside = Path::new(&beside);
-    let written = File::create(beside)
-        .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()));
-    written
-        .and_then(|()| fs::rename(beside, path))
-        .map_err(at("write", path))
+    let written = File::create(beside).and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()));
+    written.and_then(|()| fs::rename(beside, path)).map_err(at("write", path))
 }
 
 /// Flushes the files of a folder to the disk, then marks the folder as complete.
@@ -24,8 +21,7 @@ pub(super) fn mark_complete(folder: &Path, done: &Path) -> Result<(), StoreError
         let path = entry.map_err(at("read", folder))?.path();
         if path.is_file() {
             let file = File::options().append(true).open(&path);
-            file.and_then(|file| file.sync_all())
-                .map_err(at("write", &path))?;
+            file.and_then(|file| file.sync_all()).map_err(at("write", &path))?;
         }
     }
     write_atomically(done, &[])

@@ -65,15 +65,7 @@ pub enum StoreError {
 impl From<StoreError> for Error {
     fn from(error: StoreError) -> Self {
         match error {
-            StoreError::Io {
-                action,
-                path,
-                source,
-            } => Self::Io {
-                action,
-                path,
-                source,
-            },
+            StoreError::Io { action, path, source } => Self::Io { action, path, source },
             StoreError::Serialise { .. } => Self::Failure(Box::new(error)),
             _ => Self::Input(error.to_string()),
         }
@@ -83,27 +75,17 @@ impl From<StoreError> for Error {
 /// Turns an I/O error into one that says what was tried, and where.
 pub(super) fn at(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> StoreError {
     let path = path.to_owned();
-    move |source| StoreError::Io {
-        action,
-        path,
-        source,
-    }
+    move |source| StoreError::Io { action, path, source }
 }
 
 /// Turns the error of a deserialiser into one that names the file.
 pub(super) fn unreadable<E: ToString>(path: &Path) -> impl FnOnce(E) -> StoreError {
     let path = path.to_owned();
-    move |error| StoreError::Parse {
-        path,
-        message: error.to_string(),
-    }
+    move |error| StoreError::Parse { path, message: error.to_string() }
 }
 
 /// Turns the error of a serialiser into one that names the file.
 pub(super) fn unserialisable<E: ToString>(path: &Path) -> impl FnOnce(E) -> StoreError {
     let path = path.to_owned();
-    move |error| StoreError::Serialise {
-        path,
-        message: error.to_string(),
-    }
+    move |error| StoreError::Serialise { path, message: error.to_string() }
 }

@@ -27,14 +27,11 @@ impl Id {
         let value = toml::Value::try_from(key).map_err(unserialisable(Path::new("spec.toml")))?;
         let mut text = String::new();
         write_canonical(&value, &mut text);
-        let digits =
-            Sha256::digest(text.as_bytes())
-                .iter()
-                .fold(String::new(), |mut digits, byte| {
-                    // Writing to a string cannot fail.
-                    let _ = write!(digits, "{byte:02x}");
-                    digits
-                });
+        let digits = Sha256::digest(text.as_bytes()).iter().fold(String::new(), |mut digits, byte| {
+            // Writing to a string cannot fail.
+            let _ = write!(digits, "{byte:02x}");
+            digits
+        });
         Ok(Self(digits[..N_DIGITS].to_owned()))
     }
 }
@@ -62,11 +59,7 @@ impl<S: Serialize + ?Sized> TrainKey<'_, S> {
     /// # Errors
     /// [`StoreError::Serialise`] if the spec has no TOML form.
     pub fn id(&self) -> Result<Id, StoreError> {
-        Id::of(&Versioned {
-            kind: "train",
-            results_version: RESULTS_VERSION,
-            key: self,
-        })
+        Id::of(&Versioned { kind: "train", results_version: RESULTS_VERSION, key: self })
     }
 }
 
@@ -89,11 +82,7 @@ impl<W: Serialize + ?Sized> EvaluationKey<'_, W> {
     /// # Errors
     /// [`StoreError::Serialise`] if the spec has no TOML form.
     pub fn id(&self) -> Result<Id, StoreError> {
-        Id::of(&Versioned {
-            kind: "evaluation",
-            results_version: RESULTS_VERSION,
-            key: self,
-        })
+        Id::of(&Versioned { kind: "evaluation", results_version: RESULTS_VERSION, key: self })
     }
 }
 
@@ -147,32 +136,17 @@ mod tests {
     use serde_json::json;
 
     fn train(spec: &impl Serialize, seed: u64, reward_version: u32) -> Id {
-        TrainKey {
-            spec,
-            seed,
-            reward_version,
-        }
-        .id()
-        .expect("has a TOML form")
+        TrainKey { spec, seed, reward_version }.id().expect("has a TOML form")
     }
 
     fn evaluation(n_episodes: usize, seed: u64, time_limit: f64, world: &str) -> Id {
-        EvaluationKey {
-            n_episodes,
-            seed,
-            time_limit,
-            world: &json!({ "type": world }),
-        }
-        .id()
-        .expect("has a TOML form")
+        EvaluationKey { n_episodes, seed, time_limit, world: &json!({ "type": world }) }.id().expect("has a TOML form")
     }
 
     #[test]
     fn the_canonical_text() {
         let value: toml::Value =
-            toml::from_str::<toml::Table>("b = [1, 2.0]\na.y = inf\na.x = '\"'\nc = 1e-7")
-                .unwrap()
-                .into();
+            toml::from_str::<toml::Table>("b = [1, 2.0]\na.y = inf\na.x = '\"'\nc = 1e-7").unwrap().into();
         let mut text = String::new();
         write_canonical(&value, &mut text);
         assert_eq!(text, r#"{"a":{"x":"\"","y":inf,},"b":[1,2.0,],"c":1e-7,}"#);
@@ -190,76 +164,15 @@ mod tests {
             beams: u32,
             gamma: f64,
         }
-        let id = train(
-            &One {
-                gamma: 0.95,
-                beams: 36,
-            },
-            0,
-            1,
-        );
+        let id = train(&One { gamma: 0.95, beams: 36 }, 0, 1);
         assert_eq!(id.as_str().len(), N_DIGITS);
-        assert_eq!(
-            id,
-            train(
-                &Other {
-                    beams: 36,
-                    gamma: 0.95
-                },
-                0,
-                1
-            )
-        );
+        assert_eq!(id, train(&Other { beams: 36, gamma: 0.95 }, 0, 1));
+        assert_ne!(id, train(&One { gamma: 0.96, beams: 36 }, 0, 1));
+        assert_ne!(id, train(&One { gamma: 0.95, beams: 36 }, 1, 1));
+        assert_ne!(id, train(&One { gamma: 0.95, beams: 36 }, 0, 2));
         assert_ne!(
-            id,
-            train(
-                &One {
-                    gamma: 0.96,
-                    beams: 36
-                },
-                0,
-                1
-            )
-        );
-        assert_ne!(
-            id,
-            train(
-                &One {
-                    gamma: 0.95,
-                    beams: 36
-                },
-                1,
-                1
-            )
-        );
-        assert_ne!(
-            id,
-            train(
-                &One {
-                    gamma: 0.95,
-                    beams: 36
-                },
-                0,
-                2
-            )
-        );
-        assert_ne!(
-            train(
-                &One {
-                    gamma: f64::INFINITY,
-                    beams: 36
-                },
-                0,
-                1
-            ),
-            train(
-                &One {
-                    gamma: f64::NAN,
-                    beams: 36
-                },
-                0,
-                1
-            )
+            train(&One { gamma: f64::INFINITY, beams: 36 }, 0, 1),
+            train(&One { gamma: f64::NAN, beams: 36 }, 0, 1)
         );
     }
 
@@ -280,9 +193,6 @@ mod tests {
     #[test]
     fn ids_do_not_drift() {
         // If this fails, every results folder in the world is recomputed: raise RESULTS_VERSION instead.
-        assert_eq!(
-            train(&json!({ "gamma": 0.95 }), 3, 1).as_str(),
-            "554ea017905f8470"
-        );
+        assert_eq!(train(&json!({ "gamma": 0.95 }), 3, 1).as_str(), "554ea017905f8470");
     }
 }

@@ -90,9 +90,7 @@ impl Index {
                 index.check().map_err(unreadable(&path))?;
                 Ok(index)
             }
-            Err(error) if error.kind() == ErrorKind::NotFound => Err(StoreError::NoIndex {
-                folder: root.to_owned(),
-            }),
+            Err(error) if error.kind() == ErrorKind::NotFound => Err(StoreError::NoIndex { folder: root.to_owned() }),
             Err(error) => Err(at("read", &path)(error)),
         }
     }
@@ -100,12 +98,7 @@ impl Index {
     /// Whether every cell has a level of each axis, in their order.
     fn check(&self) -> Result<(), String> {
         let names = || self.axes.iter().map(|axis| &axis.name);
-        let wrong = self
-            .cells
-            .iter()
-            .position(|cell| !names().eq(cell.axes.iter().map(|level| &level.axis)));
-        wrong.map_or(Ok(()), |i| {
-            Err(format!("cells[{i}].axes are not those of the grid"))
-        })
+        let wrong = self.cells.iter().position(|cell| !names().eq(cell.axes.iter().map(|level| &level.axis)));
+        wrong.map_or(Ok(()), |i| Err(format!("cells[{i}].axes are not those of the grid")))
     }
 }

@@ -36,12 +36,7 @@ pub struct RunInfo {
 impl RunInfo {
     /// The info of a run made by this code.
     pub fn new(seed: u64, reward_version: u32) -> Self {
-        Self {
-            seed,
-            results_version: RESULTS_VERSION,
-            reward_version,
-            revision: CODE_REVISION.to_owned(),
-        }
+        Self { seed, results_version: RESULTS_VERSION, reward_version, revision: CODE_REVISION.to_owned() }
     }
 }
 
@@ -56,9 +51,7 @@ pub struct RunFolder {
 impl RunFolder {
     /// The folder of the run `id` in the results folder `root`; touches nothing.
     pub fn new(root: &Path, id: &Id) -> Self {
-        Self {
-            path: root.join("runs").join(id.as_str()),
-        }
+        Self { path: root.join("runs").join(id.as_str()) }
     }
 
     /// The folder's path.
@@ -81,17 +74,11 @@ impl RunFolder {
     ///
     /// # Errors
     /// [`StoreError::Io`], [`StoreError::Serialise`] if the spec has no TOML form.
-    pub fn start<S: Serialize + ?Sized>(
-        &self,
-        spec: &S,
-        info: &RunInfo,
-    ) -> Result<PendingRun, StoreError> {
+    pub fn start<S: Serialize + ?Sized>(&self, spec: &S, info: &RunInfo) -> Result<PendingRun, StoreError> {
         fresh_folder(&self.path)?;
         write_toml(&self.path.join(SPEC), spec)?;
         write_json(&self.path.join(INFO), info)?;
-        Ok(PendingRun {
-            folder: self.clone(),
-        })
+        Ok(PendingRun { folder: self.clone() })
     }
 
     /// The run's `run.json`.
@@ -112,9 +99,7 @@ impl RunFolder {
 
     /// The folder of one of the run's evaluations, which may not exist yet.
     pub fn evaluation(&self, id: &Id) -> EvaluationFolder {
-        EvaluationFolder {
-            path: self.path.join("evaluations").join(id.as_str()),
-        }
+        EvaluationFolder { path: self.path.join("evaluations").join(id.as_str()) }
     }
 }
 
@@ -132,10 +117,7 @@ impl PendingRun {
     pub fn metrics(&self) -> Result<MetricsWriter, StoreError> {
         let path = self.folder.path.join(METRICS);
         let file = File::create(&path).map_err(at("create", &path))?;
-        Ok(MetricsWriter {
-            writer: csv::Writer::from_writer(file),
-            path,
-        })
+        Ok(MetricsWriter { writer: csv::Writer::from_writer(file), path })
     }
 
     /// Writes the policy file.
@@ -171,9 +153,7 @@ impl MetricsWriter {
     /// # Errors
     /// [`StoreError::Serialise`] if the row is no flat struct or cannot be written.
     pub fn push(&mut self, row: &impl Serialize) -> Result<(), StoreError> {
-        self.writer
-            .serialize(row)
-            .map_err(unserialisable(&self.path))?;
+        self.writer.serialize(row).map_err(unserialisable(&self.path))?;
         self.writer.flush().map_err(at("write", &self.path))
     }
 }
@@ -199,11 +179,7 @@ impl EvaluationFolder {
     ///
     /// # Errors
     /// [`StoreError::Io`], [`StoreError::Serialise`] if the world's spec has no TOML form.
-    pub fn write<W>(
-        &self,
-        key: &EvaluationKey<'_, W>,
-        episodes: &[EpisodeRecord],
-    ) -> Result<(), StoreError>
+    pub fn write<W>(&self, key: &EvaluationKey<'_, W>, episodes: &[EpisodeRecord]) -> Result<(), StoreError>
     where
         W: Serialize + ?Sized,
     {
@@ -211,10 +187,7 @@ impl EvaluationFolder {
         write_toml(&self.path.join(SPEC), key)?;
         let path = self.path.join(EPISODES);
         let mut writer = csv::Writer::from_path(&path).map_err(unserialisable(&path))?;
-        episodes
-            .iter()
-            .try_for_each(|episode| writer.serialize(episode))
-            .map_err(unserialisable(&path))?;
+        episodes.iter().try_for_each(|episode| writer.serialize(episode)).map_err(unserialisable(&path))?;
         writer.flush().map_err(at("write", &path))?;
         mark_complete(&self.path, &self.path.join(DONE))
     }
@@ -226,10 +199,7 @@ impl EvaluationFolder {
     pub fn episodes(&self) -> Result<Vec<EpisodeRecord>, StoreError> {
         let path = self.path.join(EPISODES);
         let mut reader = csv::Reader::from_path(&path).map_err(unreadable(&path))?;
-        reader
-            .deserialize()
-            .collect::<Result<_, _>>()
-            .map_err(unreadable(&path))
+        reader.deserialize().collect::<Result<_, _>>().map_err(unreadable(&path))
     }
 }
 

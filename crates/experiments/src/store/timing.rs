@@ -30,11 +30,7 @@ pub struct Stopwatch {
 impl Stopwatch {
     /// A clock that starts now, for the calling thread.
     pub fn start() -> Self {
-        Self {
-            date: SystemTime::now(),
-            wall: Instant::now(),
-            cpu: ThreadTime::now(),
-        }
+        Self { date: SystemTime::now(), wall: Instant::now(), cpu: ThreadTime::now() }
     }
 
     /// What passed since the start; to be called on the thread that started it.
@@ -50,17 +46,10 @@ impl Stopwatch {
 
 /// The date and time in UTC, to the second, as in RFC 3339; times before 1970 count as 1970.
 fn utc(time: SystemTime) -> String {
-    let seconds = time
-        .duration_since(UNIX_EPOCH)
-        .map_or(0, |since| since.as_secs());
+    let seconds = time.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
     let (year, month, day) = civil(seconds / 86_400);
     let second = seconds % 86_400;
-    format!(
-        "{year:04}-{month:02}-{day:02}T{:02}:{:02}:{:02}Z",
-        second / 3600,
-        second / 60 % 60,
-        second % 60
-    )
+    format!("{year:04}-{month:02}-{day:02}T{:02}:{:02}:{:02}Z", second / 3600, second / 60 % 60, second % 60)
 }
 
 /// Year, month and day of the Gregorian calendar from the days since 1970-01-01 (Howard Hinnant, "chrono-compatible
@@ -68,16 +57,11 @@ fn utc(time: SystemTime) -> String {
 fn civil(days: u64) -> (u64, u64, u64) {
     let days = days + 719_468; // since 0000-03-01
     let (era, day_of_era) = (days / 146_097, days % 146_097);
-    let year_of_era =
-        (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
     let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
     let shifted_month = (5 * day_of_year + 2) / 153; // 0 is March
     let day = day_of_year - (153 * shifted_month + 2) / 5 + 1;
-    let month = if shifted_month < 10 {
-        shifted_month + 3
-    } else {
-        shifted_month - 9
-    };
+    let month = if shifted_month < 10 { shifted_month + 3 } else { shifted_month - 9 };
     (era * 400 + year_of_era + u64::from(month <= 2), month, day)
 }
 
@@ -102,10 +86,6 @@ mod tests {
     #[test]
     fn time_passes() {
         let timing = Stopwatch::start().stop();
-        assert!(
-            timing.wall_seconds >= 0.0
-                && timing.cpu_seconds >= 0.0
-                && timing.started <= timing.finished
-        );
+        assert!(timing.wall_seconds >= 0.0 && timing.cpu_seconds >= 0.0 && timing.started <= timing.finished);
     }
 }

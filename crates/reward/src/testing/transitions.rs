@@ -26,28 +26,11 @@ const YAW_RATES: [f64; 5] = [0.0, 0.4, -0.4, 1.5, -1.5];
 const STEP_TIMES: [f64; 4] = [0.02, 0.1, 0.2, 1.0];
 
 const LIMITS: [Limits; 2] = [
-    Limits {
-        max_speed: 1.5,
-        max_yaw_rate: 1.5,
-        max_acceleration: 2.0,
-        max_yaw_acceleration: 6.0,
-    },
-    Limits {
-        max_speed: 15.0,
-        max_yaw_rate: 0.5,
-        max_acceleration: 4.0,
-        max_yaw_acceleration: 1.0,
-    },
+    Limits { max_speed: 1.5, max_yaw_rate: 1.5, max_acceleration: 2.0, max_yaw_acceleration: 6.0 },
+    Limits { max_speed: 15.0, max_yaw_rate: 0.5, max_acceleration: 4.0, max_yaw_acceleration: 1.0 },
 ];
 
-const AROUND: [f64; 6] = [
-    -2.0 * FRAC_PI_3,
-    -FRAC_PI_3,
-    0.0,
-    FRAC_PI_3,
-    2.0 * FRAC_PI_3,
-    PI,
-];
+const AROUND: [f64; 6] = [-2.0 * FRAC_PI_3, -FRAC_PI_3, 0.0, FRAC_PI_3, 2.0 * FRAC_PI_3, PI];
 
 /// A scan and its beams: no lidar, one beam, all clear, blocked ahead, on the left and right, all blocked.
 const SCANS: [(&[f32], &[f64]); 6] = [
@@ -71,12 +54,7 @@ pub fn transitions() -> Vec<Transition<'static>> {
         for obstacle_angle in OBSTACLE_ANGLES {
             for speed in SPEEDS {
                 for clearance in CLEARANCES {
-                    let after = State {
-                        speed,
-                        clearance,
-                        obstacle_angle,
-                        ..choice.state()
-                    };
+                    let after = State { speed, clearance, obstacle_angle, ..choice.state() };
                     cases.push(choice.transition(after, event));
                 }
             }
@@ -90,10 +68,7 @@ struct Choice(u64);
 
 impl Choice {
     fn of<T: Copy>(&mut self, list: &[T]) -> T {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         list[(self.0 >> 33) as usize % list.len()]
     }
 
@@ -113,16 +88,9 @@ impl Choice {
 
     /// A step that ends in `after`, seen by the same lidar throughout.
     fn transition(&mut self, after: State<'static>, event: Option<Event>) -> Transition<'static> {
-        let same_lidar: Vec<_> = SCANS
-            .into_iter()
-            .filter(|(scan, _)| scan.len() == after.scan.len())
-            .collect();
+        let same_lidar: Vec<_> = SCANS.into_iter().filter(|(scan, _)| scan.len() == after.scan.len()).collect();
         let (scan, beam_angles) = self.of(&same_lidar);
-        let before = State {
-            scan,
-            beam_angles,
-            ..self.state()
-        };
+        let before = State { scan, beam_angles, ..self.state() };
         Transition {
             before,
             after,

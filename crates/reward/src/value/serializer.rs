@@ -24,10 +24,7 @@ struct Entries {
 
 impl Items {
     fn new(variant: Option<&'static str>) -> Self {
-        Self {
-            variant,
-            items: Vec::new(),
-        }
+        Self { variant, items: Vec::new() }
     }
 
     fn push<T: Serialize + ?Sized>(&mut self, item: &T) -> Result<(), SerdeError> {
@@ -47,11 +44,7 @@ impl Items {
 
 impl Entries {
     fn new(variant: Option<&'static str>) -> Self {
-        Self {
-            variant,
-            key: String::new(),
-            entries: Vec::new(),
-        }
+        Self { variant, key: String::new(), entries: Vec::new() }
     }
 
     fn push<T: Serialize + ?Sized>(&mut self, key: &str, value: &T) -> Result<(), SerdeError> {
@@ -141,20 +134,11 @@ impl Serializer for ToValue {
         self.serialize_unit()
     }
 
-    fn serialize_unit_variant(
-        self,
-        _: &'static str,
-        _: u32,
-        variant: &'static str,
-    ) -> Result<Value, SerdeError> {
+    fn serialize_unit_variant(self, _: &'static str, _: u32, variant: &'static str) -> Result<Value, SerdeError> {
         Ok(Value::String(variant.to_owned()))
     }
 
-    fn serialize_newtype_struct<T: Serialize + ?Sized>(
-        self,
-        _: &'static str,
-        value: &T,
-    ) -> Result<Value, SerdeError> {
+    fn serialize_newtype_struct<T: Serialize + ?Sized>(self, _: &'static str, value: &T) -> Result<Value, SerdeError> {
         to_value(value)
     }
 

@@ -17,19 +17,11 @@ const LAYOUT_TRIES: usize = 20;
 const PAIR_TRIES: usize = 50;
 
 /// A scenario that satisfies `spec`, with its path checked.
-pub(super) fn scenario(
-    spec: &RoomSpec,
-    footprint: &Footprint,
-    rng: &mut impl RngExt,
-) -> Result<Scenario, SimError> {
+pub(super) fn scenario(spec: &RoomSpec, footprint: &Footprint, rng: &mut impl RngExt) -> Result<Scenario, SimError> {
     let mut last_error = None;
     for _ in 0..LAYOUT_TRIES {
-        let room = Room {
-            width: spec.width.sample(rng),
-            height: spec.height.sample(rng),
-        };
-        match furnish(spec, room, rng).and_then(|world| start_and_goal(spec, world, footprint, rng))
-        {
+        let room = Room { width: spec.width.sample(rng), height: spec.height.sample(rng) };
+        match furnish(spec, room, rng).and_then(|world| start_and_goal(spec, world, footprint, rng)) {
             Ok(scenario) => return Ok(scenario),
             Err(error) => last_error = Some(error),
         }
@@ -41,9 +33,7 @@ pub(super) fn scenario(
 fn furnish(spec: &RoomSpec, room: Room, rng: &mut impl RngExt) -> Result<World, SimError> {
     let n_obstacles = match spec.obstacles {
         Quantity::Count(count) => count,
-        Quantity::Density(density) => {
-            (density.sample(rng) * room.width * room.height).round() as usize
-        }
+        Quantity::Density(density) => (density.sample(rng) * room.width * room.height).round() as usize,
     };
     let mut world = World::new(room, Vec::new())?;
     for index in 0..n_obstacles {
@@ -54,11 +44,7 @@ fn furnish(spec: &RoomSpec, room: Room, rng: &mut impl RngExt) -> Result<World, 
             .find(|pose| world.clearance(&outline, pose) >= spec.min_gap);
         let Some(pose) = place else {
             return Err(SimError::CannotPlace {
-                what: format!(
-                    "obstacle {} of {n_obstacles} (radius {:.2} m)",
-                    index + 1,
-                    shape.circumradius()
-                ),
+                what: format!("obstacle {} of {n_obstacles} (radius {:.2} m)", index + 1, shape.circumradius()),
                 width: room.width,
                 height: room.height,
                 min_gap: spec.min_gap,
@@ -66,21 +52,13 @@ fn furnish(spec: &RoomSpec, room: Room, rng: &mut impl RngExt) -> Result<World, 
             });
         };
         let (x, y) = (pose.translation.x, pose.translation.y);
-        world.push(Obstacle {
-            shape,
-            x,
-            y,
-            yaw: pose.rotation.angle(),
-        });
+        world.push(Obstacle { shape, x, y, yaw: pose.rotation.angle() });
     }
     Ok(world)
 }
 
 fn draw_pose(room: &Room, rng: &mut impl RngExt) -> Pose {
-    let (x, y) = (
-        rng.random_range(0.0..room.width),
-        rng.random_range(0.0..room.height),
-    );
+    let (x, y) = (rng.random_range(0.0..room.width), rng.random_range(0.0..room.height));
     Pose::new([x, y].into(), rng.random_range(-PI..PI))
 }
 
@@ -93,10 +71,7 @@ fn draw_shape(kinds: &Kinds, radius: &Interval, rng: &mut impl RngExt) -> Shape 
     } else if kind < kinds.disc + kinds.r#box {
         // The half-diagonal's angle: from one to four times as long as wide.
         let (half_width, half_length) = rng.random_range(0.25_f64.atan()..PI / 4.0).sin_cos();
-        Shape::Box {
-            length: 2.0 * radius * half_length,
-            width: 2.0 * radius * half_width,
-        }
+        Shape::Box { length: 2.0 * radius * half_length, width: 2.0 * radius * half_width }
     } else {
         draw_polygon(radius, rng)
     }
@@ -126,19 +101,12 @@ fn start_and_goal(
 ) -> Result<Scenario, SimError> {
     let rule = spec.goal_rule();
     for _ in 0..PAIR_TRIES {
-        let ends = rule
-            .place(&world, footprint, rng)
-            .zip(rule.place(&world, footprint, rng));
+        let ends = rule.place(&world, footprint, rng).zip(rule.place(&world, footprint, rng));
         let Some((start, goal)) = ends else { break };
         let far_enough = nalgebra::distance(&start, &goal) >= rule.distance;
         if far_enough && PathCheck::new(&world, start, footprint, &rule).joins(&goal) {
             let start = Pose::new(start.coords, rng.random_range(-PI..PI));
-            return Ok(Scenario {
-                world,
-                start,
-                goal,
-                goal_rule: rule,
-            });
+            return Ok(Scenario { world, start, goal, goal_rule: rule });
         }
     }
     Err(no_route(&world.room(), &rule, footprint, PAIR_TRIES))

@@ -25,20 +25,10 @@ impl<'a> PathCheck<'a> {
     /// The longest step, metres.
     const STEP: f64 = 0.1;
 
-    pub(super) fn new(
-        world: &'a World,
-        start: Point,
-        footprint: &Footprint,
-        rule: &GoalRule,
-    ) -> Self {
+    pub(super) fn new(world: &'a World, start: Point, footprint: &Footprint, rule: &GoalRule) -> Self {
         // With the rule's clearance at both ends, a goal sees all lattice points within a step.
         let step = Self::STEP.min(rule.clearance);
-        Self {
-            world,
-            start,
-            step,
-            margin: footprint.circumradius() + step / 2.0,
-        }
+        Self { world, start, step, margin: footprint.circumradius() + step / 2.0 }
     }
 
     /// Whether a path joins the start to `goal`.
@@ -73,31 +63,16 @@ mod tests {
     use crate::{Obstacle, Room, Shape};
 
     fn room_with_barrier(gap: f64) -> World {
-        let barrier = |y: f64, width: f64| Obstacle {
-            shape: Shape::Box { length: 0.2, width },
-            x: 5.0,
-            y,
-            yaw: 0.0,
-        };
+        let barrier = |y: f64, width: f64| Obstacle { shape: Shape::Box { length: 0.2, width }, x: 5.0, y, yaw: 0.0 };
         let (low, high) = (4.0, 6.0 - gap);
         let obstacles = vec![barrier(low / 2.0, low), barrier(10.0 - high / 2.0, high)];
-        World::new(
-            Room {
-                width: 10.0,
-                height: 10.0,
-            },
-            obstacles,
-        )
-        .unwrap()
+        World::new(Room { width: 10.0, height: 10.0 }, obstacles).unwrap()
     }
 
     fn joined(gap: f64) -> bool {
         let world = room_with_barrier(gap);
         let footprint = Footprint::new(&Shape::Disc { radius: 0.25 }).unwrap();
-        let rule = GoalRule {
-            distance: 4.0,
-            clearance: 0.2,
-        };
+        let rule = GoalRule { distance: 4.0, clearance: 0.2 };
         PathCheck::new(&world, Point::new(2.0, 5.0), &footprint, &rule).joins(&Point::new(8.0, 7.0))
     }
 

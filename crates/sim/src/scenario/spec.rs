@@ -36,21 +36,13 @@ impl Interval {
         }
     }
 
-    fn check(
-        &self,
-        field: &str,
-        number: fn(&str, f64) -> Result<(), FieldError>,
-    ) -> Result<(), FieldError> {
+    fn check(&self, field: &str, number: fn(&str, f64) -> Result<(), FieldError>) -> Result<(), FieldError> {
         let (low, high) = self.bounds().into_inner();
         number(field, low)?;
         number(field, high)?;
         if low > high {
             let value = format!("[{low}, {high}]");
-            return Err(FieldError::new(
-                field,
-                value,
-                "a range with its lower end first",
-            ));
+            return Err(FieldError::new(field, value, "a range with its lower end first"));
         }
         Ok(())
     }
@@ -80,11 +72,7 @@ pub struct Kinds {
 
 impl Default for Kinds {
     fn default() -> Self {
-        Self {
-            disc: 1.0,
-            r#box: 0.0,
-            polygon: 0.0,
-        }
+        Self { disc: 1.0, r#box: 0.0, polygon: 0.0 }
     }
 }
 
@@ -149,10 +137,7 @@ impl RoomSpec {
     /// What starts and goals must satisfy.
     #[must_use]
     pub fn goal_rule(&self) -> GoalRule {
-        GoalRule {
-            distance: self.start_goal_distance,
-            clearance: self.start_goal_clearance,
-        }
+        GoalRule { distance: self.start_goal_distance, clearance: self.start_goal_clearance }
     }
 
     fn check(&self) -> Result<(), FieldError> {
@@ -165,11 +150,7 @@ impl RoomSpec {
         let diagonal = self.width.bounds().end().hypot(*self.height.bounds().end());
         if self.start_goal_distance >= diagonal {
             let allowed = format!("less than the room's diagonal, {diagonal:.2} m");
-            return Err(FieldError::new(
-                "start_goal_distance",
-                self.start_goal_distance,
-                allowed,
-            ));
+            return Err(FieldError::new("start_goal_distance", self.start_goal_distance, allowed));
         }
         match self.obstacles {
             Quantity::Count(n) => within("obstacles.count", n as f64, 0.0, 1e4)?,
@@ -177,16 +158,8 @@ impl RoomSpec {
                 density.check("obstacles.density", |field, x| within(field, x, 0.0, 100.0))?;
             }
         }
-        let Kinds {
-            disc,
-            r#box,
-            polygon,
-        } = self.kinds;
-        for (field, weight) in [
-            ("kinds.disc", disc),
-            ("kinds.box", r#box),
-            ("kinds.polygon", polygon),
-        ] {
+        let Kinds { disc, r#box, polygon } = self.kinds;
+        for (field, weight) in [("kinds.disc", disc), ("kinds.box", r#box), ("kinds.polygon", polygon)] {
             non_negative(field, weight)?;
         }
         positive("kinds (their sum)", disc + r#box + polygon)
@@ -240,10 +213,7 @@ impl WorldSpec {
     pub fn build(&self, footprint: &Footprint) -> Result<WorldSource, SimError> {
         let mut rooms = Vec::new();
         self.collect(1.0, &mut rooms)?;
-        let source = WorldSource {
-            rooms,
-            footprint: footprint.clone(),
-        };
+        let source = WorldSource { rooms, footprint: footprint.clone() };
         for (_, room) in &source.rooms {
             generate::scenario(room, footprint, &mut crate::stream(0, "trial", 0))?;
         }
@@ -270,9 +240,7 @@ impl WorldSpec {
                 let total: f64 = worlds.iter().map(|part| part.weight).sum();
                 for (i, part) in worlds.iter().enumerate() {
                     let share = share * part.weight / total;
-                    part.world
-                        .collect(share, rooms)
-                        .map_err(|e| e.under(&place(i, "world")))?;
+                    part.world.collect(share, rooms).map_err(|e| e.under(&place(i, "world")))?;
                 }
             }
         }
@@ -303,11 +271,7 @@ impl WorldSource {
     /// # Ok::<(), headway_sim::SimError>(())
     /// ```
     pub fn sample(&self, rng: &mut impl RngExt) -> Result<Scenario, SimError> {
-        let mut share = if self.rooms.len() > 1 {
-            rng.random_range(0.0..1.0)
-        } else {
-            0.0
-        };
+        let mut share = if self.rooms.len() > 1 { rng.random_range(0.0..1.0) } else { 0.0 };
         let mut chosen = &self.rooms[0].1;
         for (weight, room) in &self.rooms {
             chosen = room;
@@ -321,12 +285,7 @@ impl WorldSource {
 }
 
 /// The error of a room without a start and goal.
-pub(super) fn no_route(
-    room: &Room,
-    rule: &GoalRule,
-    footprint: &Footprint,
-    tries: usize,
-) -> SimError {
+pub(super) fn no_route(room: &Room, rule: &GoalRule, footprint: &Footprint, tries: usize) -> SimError {
     SimError::NoRoute {
         distance: rule.distance,
         clearance: rule.clearance,

@@ -43,11 +43,7 @@ pub struct NeedlessBraking {
 impl Default for NeedlessBraking {
     /// Slowing by more than 0.3 m/s² while 60 degrees ahead are clear for 0.6 m beyond the stopping distance.
     fn default() -> Self {
-        Self {
-            min_deceleration: 0.3,
-            half_angle: FRAC_PI_6,
-            margin: 0.6,
-        }
+        Self { min_deceleration: 0.3, half_angle: FRAC_PI_6, margin: 0.6 }
     }
 }
 
@@ -73,28 +69,16 @@ impl Reward for NeedlessBraking {
             return 0.0;
         }
         let stopping_distance = t.before.speed.powi(2) / (2.0 * t.limits.max_acceleration);
-        if self.is_clear(&t.before, stopping_distance + self.margin) {
-            deceleration
-        } else {
-            0.0
-        }
+        if self.is_clear(&t.before, stopping_distance + self.margin) { deceleration } else { 0.0 }
     }
 
     fn validate(&self) -> Result<(), RewardError> {
-        for (field, value) in [
-            ("min_deceleration", self.min_deceleration),
-            ("margin", self.margin),
-        ] {
+        for (field, value) in [("min_deceleration", self.min_deceleration), ("margin", self.margin)] {
             let ok = value.is_finite() && value >= 0.0;
             RewardError::require(ok, field, value, "finite and not negative")?;
         }
         let angle = self.half_angle;
-        RewardError::require(
-            (0.0..=PI).contains(&angle),
-            "half_angle",
-            angle,
-            "in [0, pi] rad",
-        )
+        RewardError::require((0.0..=PI).contains(&angle), "half_angle", angle, "in [0, pi] rad")
     }
 }
 
@@ -109,20 +93,9 @@ mod tests {
     /// From 1.5 m/s to `speed` in 0.5 s under `scan`. Stopping takes 1.5² / (2 x 2) = 0.5625 m, so 1.1625 m have to be
     /// clear.
     fn slow_to(speed: f64, scan: &[f32; 5], event: Option<Event>) -> f64 {
-        let before = State {
-            speed: 1.5,
-            scan,
-            beam_angles: &BEAM_ANGLES,
-            ..State::default()
-        };
+        let before = State { speed: 1.5, scan, beam_angles: &BEAM_ANGLES, ..State::default() };
         let after = State { speed, ..before };
-        NeedlessBraking::default().reward(&Transition {
-            before,
-            after,
-            dt: 0.5,
-            event,
-            ..Transition::default()
-        })
+        NeedlessBraking::default().reward(&Transition { before, after, dt: 0.5, event, ..Transition::default() })
     }
 
     #[test]
@@ -159,26 +132,14 @@ mod tests {
 
     #[test]
     fn nothing_is_clear_where_nothing_is_seen() {
-        let before = State {
-            speed: 1.5,
-            ..State::default()
-        };
-        let blind = Transition {
-            before,
-            ..Transition::default()
-        };
+        let before = State { speed: 1.5, ..State::default() };
+        let blind = Transition { before, ..Transition::default() };
         assert_eq!(NeedlessBraking::default().reward(&blind), 0.0);
     }
 
     #[test]
     fn validate_names_the_field() {
-        let wide = NeedlessBraking {
-            half_angle: 30.0,
-            ..NeedlessBraking::default()
-        };
-        assert_eq!(
-            wide.validate().unwrap_err().to_string(),
-            "half_angle = 30: must be in [0, pi] rad"
-        );
+        let wide = NeedlessBraking { half_angle: 30.0, ..NeedlessBraking::default() };
+        assert_eq!(wide.validate().unwrap_err().to_string(), "half_angle = 30: must be in [0, pi] rad");
     }
 }

@@ -24,10 +24,7 @@ struct Level {
 fn levels() -> BTreeMap<String, toml::Table> {
     let spec: Spec = toml::from_str(include_str!("../../spec.toml")).unwrap();
     let [axis] = <[Axis; 1]>::try_from(spec.axis).ok().expect("one axis");
-    axis.levels
-        .into_iter()
-        .map(|(name, level)| (name, level.reward))
-        .collect()
+    axis.levels.into_iter().map(|(name, level)| (name, level.reward)).collect()
 }
 
 #[test]
@@ -44,26 +41,14 @@ fn the_levels_differ_by_the_plugin_s_term_only() {
     let mut smooth = terms("smooth");
     let added = smooth.pop().unwrap();
     assert_eq!(smooth, terms("recommended"));
-    assert_eq!(
-        added["reward"]["type"].as_str(),
-        Some("smooth/needless_braking")
-    );
+    assert_eq!(added["reward"]["type"].as_str(), Some("smooth/needless_braking"));
     assert!(added["weight"].as_float().unwrap() < 0.0, "a penalty");
 }
 
 #[test]
 fn the_registry_lists_the_plugin_among_the_others() {
-    let tags: Vec<_> = headway_reward::registry()
-        .unwrap()
-        .iter()
-        .map(|entry| entry.tag)
-        .collect();
+    let tags: Vec<_> = headway_reward::registry().unwrap().iter().map(|entry| entry.tag).collect();
     assert!(tags.contains(&"smooth/needless_braking"));
     assert!(tags.contains(&"r_couple"));
-    assert_eq!(
-        Sum::default()
-            .with(1.0, smooth_rewards::NeedlessBraking::default())
-            .version(),
-        1
-    );
+    assert_eq!(Sum::default().with(1.0, smooth_rewards::NeedlessBraking::default()).version(), 1);
 }
