@@ -112,8 +112,9 @@ impl Navigator {
     pub fn act(&mut self, action: u32) -> Result<StepEnd, EnvError> {
         let speed = self.state.vehicle.twist.x;
         let mut command = self.mdp.actions.command(action, speed, self.state.side);
-        if let (Some(spec), Some(route)) = (self.mdp.route, &self.state.route) {
-            command.yaw_rate = spec.pursuit.yaw_rate(route, &self.state.vehicle.pose, command.speed);
+        if let Some(spec) = self.mdp.route {
+            let sensed = self.sensed();
+            command = spec.pursuit.follow(&sensed.route_or_straight(), &sensed.pose, command.speed);
         }
         self.drive(command)
     }

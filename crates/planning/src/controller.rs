@@ -1,5 +1,7 @@
 //! The seam between what a vehicle perceives and what it is told to do.
 
+use std::borrow::Cow;
+
 use headway_sim::{Command, Point, Pose, Twist};
 use nalgebra::Vector2;
 
@@ -27,6 +29,13 @@ impl Sensed<'_> {
     #[must_use]
     pub fn to_goal(&self) -> Vector2<f64> {
         self.pose.inverse_transform_point(&self.goal).coords
+    }
+
+    /// The planned route, or a straight line to the goal where there is none.
+    #[must_use]
+    pub fn route_or_straight(&self) -> Cow<'_, Route> {
+        let straight = || Route::new(vec![self.pose.translation.vector.into(), self.goal]);
+        self.route.map_or_else(|| Cow::Owned(straight()), Cow::Borrowed)
     }
 
     /// Distance to the goal, metres, and its bearing in the vehicle's frame, radians in (-pi, pi].

@@ -1,13 +1,14 @@
 //! Pure pursuit.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::PI;
 
-use headway_sim::{Command, FieldError, Point, Pose, positive};
+use headway_sim::{Command, FieldError, Point, Pose, positive, within};
 use serde::{Deserialize, Serialize};
 
 use crate::{Controller, Route, Sensed};
 
-/// Steering towards a point ahead on a route (Coulter 1992).
+/// Steering towards a point ahead on a route (Coulter 1992), turning on the spot towards one that lies too far aside
+/// (Macenski et al. 2023, "rotate to heading").
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PurePursuit {
@@ -15,13 +16,15 @@ pub struct PurePursuit {
     pub lookahead: f64,
     /// Forward speed when it drives on its own, m/s.
     pub cruise_speed: f64,
-    /// Yaw rate towards a point that lies behind, rad/s.
+    /// Bearing of that point beyond which the vehicle turns on the spot, radians, at most pi.
+    pub turn_angle: f64,
+    /// Yaw rate of a turn on the spot, rad/s.
     pub turn_rate: f64,
 }
 
 impl Default for PurePursuit {
     fn default() -> Self {
-        Self { lookahead: 0.8, cruise_speed: 1.0, turn_rate: 1.5 }
+        Self { lookahead: 0.8, cruise_speed: 1.0, turn_angle: 0.785, turn_rate: 1.5 }
     }
 }
 
@@ -29,45 +32,38 @@ impl PurePursuit {
     /// Checks the numbers.
     ///
     /// # Errors
-    /// Names the field that is not a finite number above 0.
+    /// Names the field that is not allowed.
     pub fn check(&self) -> Result<(), FieldError> {
         positive("lookahead", self.lookahead)?;
         positive("cruise_speed", self.cruise_speed)?;
+        within("turn_angle", self.turn_angle, 0.0, PI)?;
         positive("turn_rate", self.turn_rate)
     }
 
-    /// The yaw rate that leads a vehicle at `speed` along an arc to the point ahead, rad/s.
+    /// The command that leads a vehicle along an arc to the point ahead, at `speed`.
     ///
-    /// The arc through a point at distance `l` and bearing `a` has the curvature `2 sin(a) / l`. Towards a
-    /// point that lies behind (`|a| > pi/2`) it turns at the turn rate, whatever the speed.
+    /// The arc through a point at distance `l` and bearing `a` has the curvature `2 sin(a) / l`. Beyond the turn angle the
+    /// vehicle turns on the spot instead, whatever the speed asked for.
     #[must_use]
-    pub fn yaw_rate(&self, route: &Route, pose: &Pose, speed: f64) -> f64 {
+    pub fn follow(&self, route: &Route, pose: &Pose, speed: f64) -> Command {
         let here = Point::from(pose.translation.vector);
         let target = route.at(route.project(&here) + self.lookahead);
         let to_target = pose.inverse_transform_point(&target).coords;
         let (distance, bearing) = (to_target.norm(), to_target.y.atan2(to_target.x));
-        if distance < 1e-9 {
-            0.0
-        } else if bearing.abs() > FRAC_PI_2 {
-            self.turn_rate.copysign(bearing)
-        } else {
-            2.0 * speed * bearing.sin() / distance
+        if bearing.abs() > self.turn_angle {
+            return Command { speed: 0.0, yaw_rate: self.turn_rate.copysign(bearing) };
         }
+        let curvature = if distance > 1e-9 { 2.0 * bearing.sin() / distance } else { 0.0 };
+        Command { speed, yaw_rate: speed * curvature }
     }
 }
 
 impl Controller for PurePursuit {
     fn reset(&mut self) {}
 
-    /// Follows the route at cruise speed, or a straight line to the goal where there is no route; turns on
-    /// the spot towards a point that lies behind.
+    /// Follows the route at cruise speed, or a straight line to the goal where there is no route.
     fn command(&mut self, sensed: &Sensed<'_>) -> Command {
-        let here = Point::from(sensed.pose.translation.vector);
-        let straight = Route::new(vec![here, sensed.goal]);
-        let route = sensed.route.unwrap_or(&straight);
-        let ahead = sensed.pose.inverse_transform_point(&route.at(route.project(&here) + self.lookahead));
-        let speed = if ahead.x >= 0.0 { self.cruise_speed } else { 0.0 };
-        Command { speed, yaw_rate: self.yaw_rate(route, &sensed.pose, speed) }
+        self.follow(&sensed.route_or_straight(), &sensed.pose, self.cruise_speed)
     }
 }
 
@@ -80,8 +76,16 @@ mod tests {
     fn an_arc_to_a_point_abeam_by_hand() {
         // A point 0.8 m ahead on a line that lies 0.4 m to the left: sin(a) = 0.4 / l, w = 2 v 0.4 / l^2.
         let route = Route::new(vec![Point::new(-5.0, 0.4), Point::new(5.0, 0.4)]);
-        let yaw_rate = PurePursuit::default().yaw_rate(&route, &Pose::identity(), 0.5);
+        let Command { speed, yaw_rate } = PurePursuit::default().follow(&route, &Pose::identity(), 0.5);
+        assert_eq!(speed, 0.5);
         assert!((yaw_rate - 2.0 * 0.5 * 0.4 / (0.8 * 0.8 + 0.4 * 0.4)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn turns_on_the_spot_towards_what_lies_aside() {
+        let route = Route::new(vec![Point::origin(), Point::new(-5.0, -1.0)]);
+        let command = PurePursuit::default().follow(&route, &Pose::identity(), 1.0);
+        assert_eq!(command, Command { speed: 0.0, yaw_rate: -1.5 });
     }
 
     #[test]

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use headway_env::{ActionSet, Control, Encoder};
-use headway_planning::{Controller, Route, Sensed};
-use headway_sim::{Command, Point};
+use headway_planning::{Controller, Sensed};
+use headway_sim::Command;
 
 use crate::mlp::argmax;
 use crate::{Policy, PolicyError};
@@ -45,15 +45,10 @@ impl Controller for Driver {
         let side = self.encoder.encode(sensed, &mut obs);
         let action = self.act(&obs);
         self.obs = obs;
-        let mut command = self.actions.command(action, sensed.twist.x, side);
-        if let Control::SpeedOnly(spec) = &self.policy.header().control {
-            let here = Point::from(sensed.pose.translation.vector);
-            let straight = || Route::new(vec![here, sensed.goal]);
-            let owned = if sensed.route.is_none() { Some(straight()) } else { None };
-            if let Some(route) = sensed.route.or(owned.as_ref()) {
-                command.yaw_rate = spec.pursuit.yaw_rate(route, &sensed.pose, command.speed);
-            }
+        let command = self.actions.command(action, sensed.twist.x, side);
+        match &self.policy.header().control {
+            Control::Full {} => command,
+            Control::SpeedOnly(spec) => spec.pursuit.follow(&sensed.route_or_straight(), &sensed.pose, command.speed),
         }
-        command
     }
 }
