@@ -50,9 +50,13 @@ impl ActionSpec {
             let allowed = "[0.0] under speed_only control, where pure pursuit steers";
             return Err(FieldError::new("yaw_rates", format!("{yaw_rates:?}"), allowed));
         }
+        let slowest = match control {
+            Control::Full {} => 0.0 - vehicle.max_reverse_speed,
+            Control::SpeedOnly(_) => 0.0, // pure pursuit drives forward
+        };
         let speeds = match self {
             Self::SetPoints { speeds, .. } => {
-                check_list("speeds", speeds, 0.0 - vehicle.max_reverse_speed, vehicle.max_speed)?;
+                check_list("speeds", speeds, slowest, vehicle.max_speed)?;
                 speeds.iter().map(|speed| SpeedRule::To(*speed)).collect()
             }
             Self::Accelerate { .. } => {
@@ -61,8 +65,7 @@ impl ActionSpec {
             }
         };
         let mirror = if is_mirrored { mirror_images(yaw_rates)? } else { (0..yaw_rates.len()).collect() };
-        let range = (0.0 - vehicle.max_reverse_speed, vehicle.max_speed);
-        Ok(ActionSet { speeds, yaw_rates: yaw_rates.to_vec(), mirror, range })
+        Ok(ActionSet { speeds, yaw_rates: yaw_rates.to_vec(), mirror, range: (slowest, vehicle.max_speed) })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use headway_planning::Sensed;
 use headway_sensors::Lidar;
-use headway_sim::{Footprint, VehicleSpec};
+use headway_sim::Vehicle;
 use serde::{Deserialize, Serialize};
 
 /// How observations are encoded.
@@ -59,6 +59,7 @@ pub enum Side {
 #[derive(Debug, Clone)]
 pub struct Encoder {
     spec: ObservationSpec,
+    min_range: f32,
     max_range: f32,
     /// The footprint's extent towards each beam, metres.
     extents: Vec<f32>,
@@ -80,19 +81,21 @@ impl Encoder {
 
     /// The encoding of a lidar's scans on a vehicle.
     #[must_use]
-    pub fn new(spec: ObservationSpec, lidar: &Lidar, vehicle: &VehicleSpec, footprint: &Footprint) -> Self {
+    pub fn new(spec: ObservationSpec, lidar: &Lidar, vehicle: &Vehicle) -> Self {
         let n = lidar.beam_angles().len();
         // A full turn starts behind the vehicle, where a beam is its own opposite.
+        let limits = vehicle.spec();
         let opposite = |k: usize| {
             if lidar.is_full_turn() { (n - k) % n } else { n - 1 - k }
         };
         Self {
             spec,
+            min_range: lidar.spec().min_range as f32,
             max_range: lidar.spec().max_range as f32,
-            extents: lidar.beam_angles().iter().map(|angle| footprint.extent(*angle) as f32).collect(),
+            extents: lidar.beam_angles().iter().map(|angle| vehicle.footprint().extent(*angle) as f32).collect(),
             opposite: (0..n).map(opposite).collect(),
-            max_speed: vehicle.max_speed.max(vehicle.max_reverse_speed),
-            max_yaw_rate: vehicle.max_yaw_rate,
+            max_speed: limits.max_speed.max(limits.max_reverse_speed),
+            max_yaw_rate: limits.max_yaw_rate,
         }
     }
 
@@ -102,7 +105,15 @@ impl Encoder {
         self.extents.len() + Self::N_OTHERS
     }
 
+    /// From which side a scene is shown.
+    #[must_use]
+    pub fn side(&self, sensed: &Sensed<'_>) -> Side {
+        if self.spec.mirror && sensed.to_goal().y < 0.0 { Side::Mirrored } else { Side::AsSeen }
+    }
+
     /// Encodes what is sensed into `obs`, shape `[obs_dim]`, and says from which side it is shown.
+    ///
+    /// Ranges are clamped to the lidar's limits; one that is not finite counts as no return, as in scans of real robots.
     ///
     /// # Panics
     /// If `obs` or the scan has another length.
@@ -110,7 +121,7 @@ impl Encoder {
         let n_beams = self.extents.len();
         assert_eq!(sensed.scan.len(), n_beams, "one range per beam");
         let (distance, bearing) = sensed.goal_polar();
-        let side = if self.spec.mirror && bearing < 0.0 { Side::Mirrored } else { Side::AsSeen };
+        let side = self.side(sensed);
         let (scan, others) = obs.split_at_mut(n_beams);
         match side {
             Side::AsSeen => scan.iter_mut().enumerate().for_each(|(k, out)| *out = self.range(sensed.scan, k)),
@@ -133,7 +144,8 @@ impl Encoder {
     }
 
     fn range(&self, scan: &[f32], beam: usize) -> f32 {
-        let range = scan[beam];
+        let measured = scan[beam];
+        let range = if measured.is_finite() { measured.clamp(self.min_range, self.max_range) } else { self.max_range };
         match self.spec.encoding {
             ScanEncoding::Linear => range / self.max_range,
             ScanEncoding::Root => 1.0 - (range / self.max_range).sqrt(),
@@ -149,19 +161,23 @@ impl Encoder {
 mod tests {
     use super::*;
     use headway_sensors::LidarSpec;
-    use headway_sim::{Point, Pose, Twist};
+    use headway_sim::{Point, Pose, Twist, VehicleSpec};
 
     fn encoder(encoding: ScanEncoding, mirror: bool, field_of_view: f64) -> (Encoder, Lidar) {
         let lidar = LidarSpec { n_beams: 4, field_of_view, ..LidarSpec::default() }.build().unwrap();
-        let vehicle = VehicleSpec::default();
         let spec = ObservationSpec { encoding, mirror };
-        let built = vehicle.build().unwrap();
-        (Encoder::new(spec, &lidar, &vehicle, built.footprint()), lidar)
+        let vehicle = VehicleSpec::default().build().unwrap();
+        (Encoder::new(spec, &lidar, &vehicle), lidar)
     }
 
     fn encode(encoder: &(Encoder, Lidar), goal: Point) -> (Vec<f32>, Side) {
+        encode_scan(encoder, goal, &[0.5, 1.0, 2.0, 4.0])
+    }
+
+    fn encode_scan(encoder: &(Encoder, Lidar), goal: Point, scan: &[f32]) -> (Vec<f32>, Side) {
         let sensed = Sensed {
-            scan: &[0.5, 1.0, 2.0, 4.0],
+            vehicle: &VehicleSpec::default(),
+            scan,
             beam_angles: encoder.1.beam_angles(),
             pose: Pose::new([1.0, 1.0].into(), std::f64::consts::FRAC_PI_2),
             twist: Twist::new(0.75, 0.0, -0.3),
@@ -196,6 +212,13 @@ mod tests {
             assert_eq!(side, Side::AsSeen);
             assert_close(&obs, &[scan.as_slice(), others.as_slice()].concat());
         }
+    }
+
+    #[test]
+    fn readings_of_real_lidars_are_taken_as_they_are_meant() {
+        let odd = [f32::INFINITY, f32::NAN, -1.0, 80.0];
+        let (obs, _) = encode_scan(&encoder(ScanEncoding::Linear, false, 3.0), Point::new(5.0, 1.0), &odd);
+        assert_close(&obs[..4], &[1.0, 1.0, 0.0, 1.0]);
     }
 
     #[test]

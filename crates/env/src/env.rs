@@ -5,6 +5,7 @@ use std::io::{Read, Write};
 use headway_reward::Event;
 
 use crate::EnvError;
+use crate::error::check_len;
 
 /// `n` copies of one Markov decision process in lock-step, row-major.
 ///
@@ -77,5 +78,15 @@ impl Step {
             events: vec![None; n_envs],
             obs: vec![0.0; n_envs * obs_dim],
         }
+    }
+
+    /// Refuses a step made for environments of another number or size.
+    pub(crate) fn check(&self, n_envs: usize, obs_dim: usize) -> Result<(), EnvError> {
+        check_len("out.next_obs", self.next_obs.len(), n_envs * obs_dim)?;
+        check_len("out.rewards", self.rewards.len(), n_envs)?;
+        check_len("out.terminated", self.terminated.len(), n_envs)?;
+        check_len("out.truncated", self.truncated.len(), n_envs)?;
+        check_len("out.events", self.events.len(), n_envs)?;
+        check_len("out.obs", self.obs.len(), n_envs * obs_dim)
     }
 }

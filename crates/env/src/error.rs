@@ -15,6 +15,16 @@ pub enum EnvError {
     /// A reward whose fields make no sense.
     #[error(transparent)]
     Reward(#[from] RewardError),
+    /// A goal that no route on the grid leads to.
+    #[error("no route from ({}, {}) to ({}, {}) on a grid of {cell} m: allow a smaller env.control.cell", from[0], from[1], goal[0], goal[1])]
+    NoRoute {
+        /// Where the route was to start, metres.
+        from: [f64; 2],
+        /// Where it was to end, metres.
+        goal: [f64; 2],
+        /// Edge of a cell, metres.
+        cell: f64,
+    },
     /// An action beyond the action set.
     #[error("action {action} in environment {index}: there are {n_actions} actions, 0 to {}", n_actions - 1)]
     NoSuchAction {

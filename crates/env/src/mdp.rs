@@ -51,7 +51,7 @@ impl NavSpec {
         };
         self.reward.validate()?;
         Ok(Arc::new(Mdp {
-            encoder: Encoder::new(env.observation, &lidar, &self.vehicle, vehicle.footprint()),
+            encoder: Encoder::new(env.observation, &lidar, &vehicle),
             obstacle_angle: env.obstacle_angle.build().map_err(|e| e.under("env.obstacle_angle"))?,
             actions: actions.map_err(|e| e.under("env.actions"))?,
             reward: Arc::clone(&self.reward),
@@ -91,6 +91,18 @@ impl Mdp {
         &self.vehicle
     }
 
+    /// What the vehicle sees with.
+    #[must_use]
+    pub fn lidar(&self) -> &Lidar {
+        &self.lidar
+    }
+
+    /// How observations are encoded.
+    #[must_use]
+    pub fn encoder(&self) -> &Encoder {
+        &self.encoder
+    }
+
     /// Where scenarios come from.
     #[must_use]
     pub fn source(&self) -> &WorldSource {
@@ -103,18 +115,18 @@ impl Mdp {
         self.reach_radius
     }
 
-    /// A route to drive, where the agent does not steer.
-    pub(crate) fn plan_route(&self, world: &World, from: &Point, goal: &Point) -> Option<Route> {
-        let spec = self.route?;
-        let wide = shortest_route(world, from, goal, self.radius() + spec.margin, spec.cell);
-        // Where there is no room for the margin, less; a scenario's own path is found without any.
-        wide.or_else(|| shortest_route(world, from, goal, self.radius(), spec.cell))
-            .or_else(|| shortest_route(world, from, goal, self.radius() - spec.cell, spec.cell))
-            .or_else(|| Some(Route::new(vec![*from, *goal])))
+    /// A route to drive, where the agent does not steer: the one that keeps the margin, or else half of it, or none.
+    ///
+    /// A scenario's ends are joined by a path with clearance; cells of a grid lie within 0.71 of their edge from it.
+    pub(crate) fn plan_route(&self, world: &World, from: &Point, goal: &Point) -> Result<Option<Route>, EnvError> {
+        let Some(spec) = self.route else { return Ok(None) };
+        let clearances = [spec.margin, spec.margin / 2.0, 0.0, -0.71 * spec.cell].map(|m| (self.radius() + m).max(0.0));
+        let route = clearances.iter().find_map(|clearance| shortest_route(world, from, goal, *clearance, spec.cell));
+        route.map(Some).ok_or(EnvError::NoRoute { from: [from.x, from.y], goal: [goal.x, goal.y], cell: spec.cell })
     }
 
-    /// The length of the shortest way from one point to another for a disc of the footprint's
-    /// circumradius, metres: planned over a grid of 10 cm and pulled straight.
+    /// The length of a short way from one point to another for a disc of the footprint's circumradius, metres, at most a few
+    /// per cent above the shortest: planned over a grid of 10 cm and pulled straight.
     #[must_use]
     pub fn geodesic(&self, world: &World, from: &Point, to: &Point) -> f64 {
         const CELL: f64 = 0.1;
@@ -122,7 +134,7 @@ impl Mdp {
             return (to - from).norm();
         }
         let route = shortest_route(world, from, to, self.radius(), CELL)
-            .or_else(|| shortest_route(world, from, to, self.radius() - CELL, CELL));
+            .or_else(|| shortest_route(world, from, to, (self.radius() - CELL).max(0.0), CELL));
         route.map_or((to - from).norm(), |route| route.length())
     }
 

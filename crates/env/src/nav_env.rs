@@ -77,8 +77,8 @@ impl NavEnv {
         mut advance: impl FnMut(&mut Navigator, usize) -> Result<StepEnd, EnvError>,
     ) -> Result<(), EnvError> {
         check_len("reset environments", self.navigators.len(), self.n_envs)?;
-        check_len("out.obs", out.obs.len(), self.n_envs * self.obs_dim())?;
         let dim = self.obs_dim();
+        out.check(self.n_envs, dim)?;
         for index in 0..self.n_envs {
             let navigator = &mut self.navigators[index];
             let end = advance(navigator, index)?;
@@ -120,7 +120,7 @@ impl Env for NavEnv {
         let make = |index: &u64| Navigator::new(Arc::clone(&self.mdp), seed, *index);
         self.navigators = self.scenarios.iter().map(make).collect::<Result<_, _>>()?;
         let rows = obs.chunks_exact_mut(self.mdp.obs_dim());
-        self.navigators.iter_mut().zip(rows).for_each(|(navigator, row)| navigator.observe(row));
+        self.navigators.iter().zip(rows).for_each(|(navigator, row)| navigator.observe(row));
         Ok(())
     }
 

@@ -8,7 +8,7 @@ use headway_sim::{Command, Point, Proximity, Scenario, VehicleState, stream};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-use crate::{EnvError, GoalHandling, Mdp, Side};
+use crate::{EnvError, GoalHandling, Mdp};
 
 /// One vehicle in one scenario of an MDP. It is not reset by itself.
 #[derive(Debug, Clone)]
@@ -32,7 +32,6 @@ pub(crate) struct NavigatorState {
     duration: f64,
     /// Steps since the start or the last goal.
     n_steps: u32,
-    side: Side,
     noise: ChaCha8Rng,
     goals: ChaCha8Rng,
 }
@@ -70,18 +69,20 @@ impl Navigator {
     /// If the scenario cannot be made.
     pub fn new(mdp: Arc<Mdp>, seed: u64, index: u64) -> Result<Self, EnvError> {
         let scenario = mdp.source.sample(&mut stream(seed, "layout", index))?;
-        Ok(Self::in_scenario(mdp, scenario, seed, index))
+        Self::in_scenario(mdp, scenario, seed, index)
     }
 
     /// A vehicle at rest at the start of a given scenario, with the random streams of scenario number
     /// `index` of a seed.
-    #[must_use]
-    pub fn in_scenario(mdp: Arc<Mdp>, scenario: Scenario, seed: u64, index: u64) -> Self {
+    ///
+    /// # Errors
+    /// If the agent does not steer and no route leads to the goal.
+    pub fn in_scenario(mdp: Arc<Mdp>, scenario: Scenario, seed: u64, index: u64) -> Result<Self, EnvError> {
         let vehicle = VehicleState::at_rest(scenario.start);
         let facts = Facts::new(mdp.lidar.beam_angles().len());
         let state = NavigatorState {
             goal: scenario.goal,
-            route: mdp.plan_route(&scenario.world, &scenario.start.translation.vector.into(), &scenario.goal),
+            route: mdp.plan_route(&scenario.world, &scenario.start.translation.vector.into(), &scenario.goal)?,
             scenario,
             vehicle,
             before: facts.clone(),
@@ -91,7 +92,6 @@ impl Navigator {
             distance: 0.0,
             duration: 0.0,
             n_steps: 0,
-            side: Side::AsSeen,
             noise: stream(seed, "noise", index),
             goals: stream(seed, "goals", index),
         };
@@ -99,10 +99,11 @@ impl Navigator {
         let footprint = navigator.mdp.vehicle.footprint();
         let proximity = navigator.state.scenario.world.proximity(footprint, &vehicle.pose);
         navigator.look(&proximity);
-        navigator
+        navigator.state.before.clone_from(&navigator.state.after);
+        Ok(navigator)
     }
 
-    /// Takes an action of the MDP's set, chosen on the last observation.
+    /// Takes an action of the MDP's set, chosen on the present observation.
     ///
     /// # Errors
     /// If a new goal is due and none can be found.
@@ -111,7 +112,7 @@ impl Navigator {
     /// If there is no such action.
     pub fn act(&mut self, action: u32) -> Result<StepEnd, EnvError> {
         let speed = self.state.vehicle.twist.x;
-        let mut command = self.mdp.actions.command(action, speed, self.state.side);
+        let mut command = self.mdp.actions.command(action, speed, self.mdp.encoder.side(&self.sensed()));
         if let Some(spec) = self.mdp.route {
             let sensed = self.sensed();
             command = spec.pursuit.follow(&sensed.route_or_straight(), &sensed.pose, command.speed);
@@ -154,7 +155,7 @@ impl Navigator {
             let footprint = self.mdp.vehicle.footprint();
             let goal = self.state.scenario.new_goal(&here, footprint, &mut self.state.goals)?;
             self.state.goal = goal;
-            self.state.route = self.mdp.plan_route(&self.state.scenario.world, &here, &goal);
+            self.state.route = self.mdp.plan_route(&self.state.scenario.world, &here, &goal)?;
             self.state.n_steps = 0;
         }
         let truncated = !terminated && self.state.n_steps >= self.mdp.n_max_steps;
@@ -175,16 +176,16 @@ impl Navigator {
         (self.state.after.goal_distance, self.state.after.goal_bearing) = (goal_distance, goal_bearing);
     }
 
-    /// Encodes the present observation, shape `[obs_dim]`. The next action is taken to refer to it.
-    pub fn observe(&mut self, obs: &mut [f32]) {
-        let side = self.mdp.encoder.encode(&self.sensed(), obs);
-        self.state.side = side;
+    /// Encodes the present observation, shape `[obs_dim]`.
+    pub fn observe(&self, obs: &mut [f32]) {
+        self.mdp.encoder.encode(&self.sensed(), obs);
     }
 
     /// What the vehicle perceives now.
     #[must_use]
     pub fn sensed(&self) -> Sensed<'_> {
         Sensed {
+            vehicle: self.mdp.vehicle.spec(),
             scan: &self.state.after.scan,
             beam_angles: self.mdp.lidar.beam_angles(),
             pose: self.state.vehicle.pose,
@@ -194,7 +195,8 @@ impl Navigator {
         }
     }
 
-    /// The last step as rewards see it: both of its states refer to the goal that was in force.
+    /// The last step as rewards see it: both of its states refer to the goal that was in force. Before the first step, both are
+    /// the start.
     #[must_use]
     pub fn transition(&self) -> Transition<'_> {
         let angles = self.mdp.lidar.beam_angles();

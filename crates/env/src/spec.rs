@@ -5,7 +5,7 @@ use std::sync::Arc;
 use headway_planning::PurePursuit;
 use headway_reward::Reward;
 use headway_sensors::{LidarSpec, ObstacleAngleSpec};
-use headway_sim::{FieldError, VehicleSpec, WorldSpec, non_negative, positive};
+use headway_sim::{FieldError, VehicleSpec, WorldSpec, non_negative, within};
 use serde::{Deserialize, Serialize};
 
 use crate::{ActionSpec, ObservationSpec};
@@ -100,10 +100,10 @@ pub enum Control {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RouteSpec {
-    /// Edge of a cell of the map, metres.
+    /// Edge of a cell of the map, metres, from 0.02 to 0.5.
     pub cell: f64,
-    /// Distance that the route keeps from surfaces beyond the footprint's circumradius, metres, wherever
-    /// there is room for it.
+    /// Distance that the route keeps from surfaces beyond the footprint's circumradius, metres. Where no route keeps it all
+    /// the way, half of it, then none.
     pub margin: f64,
     /// How the route is followed.
     pub pursuit: PurePursuit,
@@ -123,7 +123,7 @@ impl Default for Control {
 
 impl RouteSpec {
     pub(crate) fn check(&self) -> Result<(), FieldError> {
-        positive("cell", self.cell)?;
+        within("cell", self.cell, 0.02, 0.5)?;
         non_negative("margin", self.margin)?;
         self.pursuit.check().map_err(|e| e.under("pursuit"))
     }

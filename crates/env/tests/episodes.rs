@@ -21,7 +21,7 @@ fn navigator(env: EnvSpec, goal_x: f64, post_x: Option<f64>) -> Navigator {
         goal: Point::new(goal_x, 5.0),
         goal_rule: GoalRule { distance: 4.0, clearance: 0.2 },
     };
-    Navigator::in_scenario(mdp(env), scenario, 0, 0)
+    Navigator::in_scenario(mdp(env), scenario, 0, 0).unwrap()
 }
 
 fn drive_until(navigator: &mut Navigator, stop: impl Fn(&Navigator, StepEnd) -> bool) -> StepEnd {

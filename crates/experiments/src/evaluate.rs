@@ -66,7 +66,8 @@ impl ScenarioSet {
         let (scenario, geodesic) = self.scenarios.get(index).ok_or_else(|| {
             Error::Input(format!("there is no episode {index}: there are {}, counted from 0", self.len()))
         })?;
-        let mut vehicle = Navigator::in_scenario(Arc::clone(mdp), scenario.clone(), self.seed, index as u64);
+        let mut vehicle = Navigator::in_scenario(Arc::clone(mdp), scenario.clone(), self.seed, index as u64)
+            .map_err(Error::failure)?;
         let mut meter = EpisodeMeter::new(mdp.vehicle().spec().max_acceleration);
         driver.reset();
         watch(&vehicle);

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use headway_sim::{Command, Point, Pose, Twist};
+use headway_sim::{Command, Point, Pose, Twist, VehicleSpec};
 use nalgebra::Vector2;
 
 use crate::Route;
@@ -10,7 +10,9 @@ use crate::Route;
 /// What a driver may know: all of it can be had on a robot.
 #[derive(Debug, Clone, Copy)]
 pub struct Sensed<'a> {
-    /// Lidar ranges, metres, one per beam.
+    /// The vehicle: its footprint, limits and control period.
+    pub vehicle: &'a VehicleSpec,
+    /// Lidar ranges, metres, one per beam; the lidar's greatest range where a beam met nothing.
     pub scan: &'a [f32],
     /// Directions of the beams in the vehicle's frame, radians.
     pub beam_angles: &'a [f64],

@@ -20,13 +20,14 @@ impl GridMap {
     /// freely wherever the map is free.
     ///
     /// # Panics
-    /// If `cell` is not above 0.
+    /// If `cell` is not above 0, or so small that the map would have more than 2^28 cells.
     #[must_use]
     pub fn from_world(world: &World, cell: f64, inflation: f64) -> Self {
         assert!(cell > 0.0, "cells have a size");
         let room = world.room();
         let count = |extent: f64| (extent / cell).ceil().max(1.0) as usize;
         let (n_x, n_y) = (count(room.width), count(room.height));
+        assert!(n_x.saturating_mul(n_y) <= 1 << 28, "cells fit in memory");
         let mut map = Self { cell, n_x, n_y, blocked: vec![false; n_x * n_y] };
         for index in 0..4 {
             map.block(world, Surface::Wall(index), (0..n_x, 0..n_y), inflation);
@@ -66,12 +67,15 @@ impl GridMap {
         cell.is_some_and(|cell| !self.is_blocked(cell))
     }
 
-    /// Whether all cells that the straight line from `a` to `b` passes through are free.
+    /// Whether all cells that the straight line from `a` to `b` passes through are free; points outside the map see nothing.
     ///
     /// Walks from cell border to cell border (Amanatides and Woo 1987); where the line passes exactly
     /// through a corner, one of the two cells beside it is looked at.
     #[must_use]
     pub fn sees(&self, a: &Point, b: &Point) -> bool {
+        if !self.is_free(a) || !self.is_free(b) {
+            return false;
+        }
         let (mut here, end) = (self.cell_of(a), self.cell_of(b));
         let d = b - a;
         let advance = |rate: f64| if rate > 0.0 { 1 } else { -1 };
@@ -93,7 +97,7 @@ impl GridMap {
                 to_y = border(a.y, here.1, d.y);
             }
         }
-        !self.is_blocked(here) && !self.is_blocked(end)
+        !self.is_blocked(here)
     }
 
     /// Columns and rows.

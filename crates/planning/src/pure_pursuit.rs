@@ -16,7 +16,7 @@ pub struct PurePursuit {
     pub lookahead: f64,
     /// Forward speed when it drives on its own, m/s.
     pub cruise_speed: f64,
-    /// Bearing of that point beyond which the vehicle turns on the spot, radians, at most pi.
+    /// Bearing of that point beyond which the vehicle turns on the spot, radians, from 0.1 to pi.
     pub turn_angle: f64,
     /// Yaw rate of a turn on the spot, rad/s.
     pub turn_rate: f64,
@@ -36,7 +36,7 @@ impl PurePursuit {
     pub fn check(&self) -> Result<(), FieldError> {
         positive("lookahead", self.lookahead)?;
         positive("cruise_speed", self.cruise_speed)?;
-        within("turn_angle", self.turn_angle, 0.0, PI)?;
+        within("turn_angle", self.turn_angle, 0.1, PI)?;
         positive("turn_rate", self.turn_rate)
     }
 
@@ -106,6 +106,7 @@ mod tests {
             }
             worst = worst.max((route.at(route.project(&here)) - here).norm());
             let sensed = Sensed {
+                vehicle: vehicle.spec(),
                 scan: &[],
                 beam_angles: &[],
                 pose: state.pose,

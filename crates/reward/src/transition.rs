@@ -38,7 +38,7 @@ pub struct Transition<'a> {
     pub command_speed: f64,
     /// The commanded yaw rate, rad/s.
     pub command_yaw_rate: f64,
-    /// How long the step took, s; positive.
+    /// The control period, s; positive. A step that a collision cuts short counts in full.
     pub dt: f64,
     /// What the step ended in, if anything.
     pub event: Option<Event>,

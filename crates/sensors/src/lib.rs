@@ -18,6 +18,8 @@
 //! # Ok::<(), headway_sim::SimError>(())
 //! ```
 
+mod beams;
+mod kernel;
 mod lidar;
 mod obstacle_angle;
 

@@ -2,17 +2,21 @@
 
 use std::f64::consts::TAU;
 
-use headway_sim::{FieldError, Point, Pose, World, at_least, fraction, non_negative, positive};
-use nalgebra::Vector2;
+use headway_sim::{FieldError, Pose, World, fraction, non_negative, positive, within};
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
+use crate::beams::{Beams, LANES};
+use crate::kernel::paint;
+
 /// A planar lidar at the vehicle's origin, as data.
+///
+/// Where a beam meets nothing within `max_range`, and where it is lost, the scan holds `max_range`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LidarSpec {
-    /// Beams a scan.
+    /// Beams a scan, at most 100 000.
     pub n_beams: usize,
     /// Angle covered, radians, at most a full turn; see [`beam_angles`].
     pub field_of_view: f64,
@@ -38,7 +42,7 @@ impl LidarSpec {
     /// # Errors
     /// Names the field, its value and what is allowed.
     pub fn build(&self) -> Result<Lidar, FieldError> {
-        at_least("n_beams", self.n_beams, 1)?;
+        within("n_beams", self.n_beams as f64, 1.0, 1e5)?;
         positive("field_of_view", self.field_of_view)?;
         if self.field_of_view > TAU + 1e-9 {
             return Err(FieldError::new("field_of_view", self.field_of_view, "at most a full turn, 2 pi = 6.2832"));
@@ -52,7 +56,8 @@ impl LidarSpec {
         non_negative("noise", self.noise)?;
         fraction("dropout", self.dropout)?;
         let beam_angles = beam_angles(self.n_beams, self.field_of_view);
-        Ok(Lidar { spec: self.clone(), beam_angles })
+        let beams = Beams::new(&beam_angles, is_full_turn(self.field_of_view));
+        Ok(Lidar { spec: self.clone(), beam_angles, beams })
     }
 }
 
@@ -89,6 +94,7 @@ fn is_full_turn(field_of_view: f64) -> bool {
 pub struct Lidar {
     spec: LidarSpec,
     beam_angles: Vec<f64>,
+    beams: Beams,
 }
 
 impl Lidar {
@@ -112,28 +118,40 @@ impl Lidar {
 
     /// Measures from `pose`: one range in metres per beam into `ranges`, shape `[n_beams]`.
     ///
-    /// A range is the distance to the first surface, plus Gaussian noise, clamped to the range limits;
-    /// a beam is lost with the dropout's probability. Random numbers are drawn only for noise or
-    /// dropout above 0.
+    /// A range is the distance to the first surface, within 1 mm of the exact one, plus Gaussian noise, clamped to the range
+    /// limits; a beam is lost with the dropout's probability. Random numbers are drawn only for noise or dropout above 0.
     ///
     /// # Panics
     /// If `ranges` does not hold one number per beam.
     pub fn scan(&self, world: &World, pose: &Pose, rng: &mut impl RngExt, ranges: &mut [f32]) {
         assert_eq!(ranges.len(), self.beam_angles.len(), "one range per beam");
-        let LidarSpec { min_range, max_range, noise, dropout, .. } = self.spec;
-        let origin = Point::from(pose.translation.vector);
-        let yaw = pose.rotation.angle();
-        for (range, angle) in ranges.iter_mut().zip(&self.beam_angles) {
-            let (sin, cos) = (yaw + angle).sin_cos();
-            let mut measured = world.cast_ray(&origin, &Vector2::new(cos, sin), max_range);
-            if noise > 0.0 && measured < max_range {
+        let n_blocks = self.beams.n_blocks();
+        let (mut few, mut many) = ([[0.0; LANES]; 4], Vec::new());
+        let inverse = few.get_mut(..n_blocks).unwrap_or_else(|| {
+            many.resize(n_blocks, [0.0; LANES]);
+            &mut many
+        });
+        paint(&self.beams, world, pose, self.spec.max_range, inverse);
+        let (min_range, max_range) = (self.spec.min_range as f32, self.spec.max_range as f32);
+        for (range, inverse) in ranges.iter_mut().zip(inverse.as_flattened()) {
+            *range = (1.0 / inverse).clamp(min_range, max_range);
+        }
+        if self.spec.noise > 0.0 || self.spec.dropout > 0.0 {
+            self.disturb(rng, ranges);
+        }
+    }
+
+    /// Adds noise to the beams that met something, and loses some.
+    fn disturb(&self, rng: &mut impl RngExt, ranges: &mut [f32]) {
+        let (min_range, max_range) = (self.spec.min_range as f32, self.spec.max_range as f32);
+        for range in ranges {
+            if *range < max_range && self.spec.noise > 0.0 {
                 let deviation: f64 = StandardNormal.sample(rng);
-                measured += noise * deviation;
+                *range = (*range + (self.spec.noise * deviation) as f32).clamp(min_range, max_range);
             }
-            if dropout > 0.0 && rng.random_bool(dropout) {
-                measured = max_range;
+            if self.spec.dropout > 0.0 && rng.random_bool(self.spec.dropout) {
+                *range = max_range;
             }
-            *range = measured.clamp(min_range, max_range) as f32;
         }
     }
 }
@@ -141,7 +159,7 @@ impl Lidar {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use headway_sim::{Obstacle, Room, Shape, VehicleSpec, WorldSpec, stream};
+    use headway_sim::{Obstacle, Point, Room, Shape, VehicleSpec, WorldSpec, stream};
     use proptest::prelude::*;
 
     fn scan(lidar: &Lidar, world: &World, pose: &Pose) -> Vec<f32> {

@@ -101,12 +101,12 @@ impl ObstacleAngle {
         assert!(scan.len() == n && extents.len() == n, "one entry per beam");
         let clearance = |k: usize| scan[k] - extents[k];
         let nearest = (0..n).min_by(|a, b| clearance(*a).total_cmp(&clearance(*b)))?;
-        let is_seen = f64::from(scan[nearest]) < lidar.spec().max_range;
-        if !is_seen || f64::from(clearance(nearest)) > self.spec.radius {
+        let max_range = lidar.spec().max_range as f32;
+        if scan[nearest] >= max_range || f64::from(clearance(nearest)) > self.spec.radius {
             return None;
         }
         let spacing = if n > 1 { angles[1] - angles[0] } else { 0.0 };
-        let [left, right] = [1, -1].map(|step| n_connected(scan, nearest, step, lidar.is_full_turn()) as f64 * spacing);
+        let [left, right] = [1, -1].map(|step| n_connected(scan, nearest, step, lidar) as f64 * spacing);
         let middle = angles[nearest] + (left - right) / 2.0;
         Some(angle_between(direction, (middle, (left + right) / 2.0)))
     }
@@ -120,11 +120,11 @@ impl ObstacleAngle {
     }
 }
 
-/// The direction of motion in the vehicle's frame, radians: where the velocity points, straight ahead at
-/// rest.
+/// The direction of motion in the vehicle's frame, radians: where the velocity points; straight ahead at rest, that is below
+/// 1 mm/s, where the direction of a measured velocity means nothing.
 #[must_use]
 pub fn direction_of_motion(twist: &Twist) -> f64 {
-    if twist.xy().norm() > 0.0 { twist.y.atan2(twist.x) } else { 0.0 }
+    if twist.xy().norm() > 1e-3 { twist.y.atan2(twist.x) } else { 0.0 }
 }
 
 /// The unsigned angle from a direction to the nearer end of an interval of directions given as its middle
@@ -164,13 +164,15 @@ fn corner_bearings(corners: &[Point], origin: &Point) -> (f64, f64) {
 }
 
 /// How many beams in a row, from `start` to one side (`step` is 1 or -1), see the same thing.
-fn n_connected(scan: &[f32], start: usize, step: isize, is_ring: bool) -> usize {
-    let n = scan.len() as isize;
+fn n_connected(scan: &[f32], start: usize, step: isize, lidar: &Lidar) -> usize {
+    let (n, max_range) = (scan.len() as isize, lidar.spec().max_range as f32);
     let mut here = start;
     for count in 0..scan.len() - 1 {
         let next = here as isize + step;
         let wrapped = next.rem_euclid(n) as usize;
-        if (wrapped as isize != next && !is_ring) || (scan[wrapped] - scan[here]).abs() >= ObstacleAngle::SCAN_GAP {
+        let is_end = wrapped as isize != next && !lidar.is_full_turn();
+        let sees_another = scan[wrapped] >= max_range || (scan[wrapped] - scan[here]).abs() >= ObstacleAngle::SCAN_GAP;
+        if is_end || sees_another {
             return count;
         }
         here = wrapped;
@@ -235,6 +237,28 @@ mod tests {
         let expected = 10.0_f64.atan2(-1.0).to_degrees();
         let angle = degrees(measure(spec(true), vec![], pose, Twist::zeros()));
         assert!((angle - expected).abs() < 1e-9, "{angle} but {expected}");
+    }
+
+    #[test]
+    fn what_is_out_of_range_is_no_obstacle_and_joins_none() {
+        let angle = |max_range, scan: &[f32; 8]| {
+            let lidar = LidarSpec { n_beams: 8, max_range, ..LidarSpec::default() }.build().unwrap();
+            ObstacleAngleSpec { radius: 5.0, include_walls: false }
+                .build()
+                .unwrap()
+                .from_scan(&lidar, scan, &[0.25; 8], 0.0)
+        };
+        // 3.1 as f32 is less than 3.1: an empty scan must still be empty.
+        assert_eq!(angle(3.1, &[3.1; 8]), None);
+        // One return behind, within a gap of the range limit: the empty beams beside it are not part of it.
+        let behind = angle(3.0, &[2.8, 3.0, 3.0, 3.0, 3.0, 3.0, 3.0, 3.0]);
+        assert!((behind.unwrap() - PI).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_residue_of_speed_is_rest() {
+        assert_eq!(direction_of_motion(&Twist::new(-1e-16, 0.0, 0.0)), 0.0);
+        assert_eq!(direction_of_motion(&Twist::new(-0.1, 0.0, 0.0)), PI);
     }
 
     #[test]
