@@ -1,6 +1,7 @@
 //! Action sets: what the numbers that an agent chooses mean.
 
-use headway_sim::{Command, FieldError, VehicleSpec, within};
+use headway_sim::check::within;
+use headway_sim::{Command, FieldError, VehicleSpec};
 use serde::{Deserialize, Serialize};
 
 use crate::{Control, Side};

@@ -63,8 +63,7 @@ pub struct Encoder {
     max_range: f32,
     /// The footprint's extent towards each beam, metres.
     extents: Vec<f32>,
-    /// For each beam the one on the other side, at the negative of its angle.
-    opposite: Vec<usize>,
+    is_full_turn: bool,
     max_speed: f64,
     max_yaw_rate: f64,
 }
@@ -73,27 +72,22 @@ impl Encoder {
     /// Entries behind the ranges.
     const N_OTHERS: usize = 6;
     /// Distance at which half of the first distance entry is used up, metres.
-    const FAR: f64 = 3.0;
+    pub const FAR: f64 = 3.0;
     /// Distance from which on the second distance entry is 1, metres.
-    const NEAR: f64 = 2.0;
+    pub const NEAR: f64 = 2.0;
     /// Clearance encoded as a half, metres.
-    const HALF_CLEARANCE: f32 = 0.25;
+    pub const HALF_CLEARANCE: f32 = 0.25;
 
     /// The encoding of a lidar's scans on a vehicle.
     #[must_use]
     pub fn new(spec: ObservationSpec, lidar: &Lidar, vehicle: &Vehicle) -> Self {
-        let n = lidar.beam_angles().len();
-        // A full turn starts behind the vehicle, where a beam is its own opposite.
         let limits = vehicle.spec();
-        let opposite = |k: usize| {
-            if lidar.is_full_turn() { (n - k) % n } else { n - 1 - k }
-        };
         Self {
             spec,
             min_range: lidar.spec().min_range as f32,
             max_range: lidar.spec().max_range as f32,
             extents: lidar.beam_angles().iter().map(|angle| vehicle.footprint().extent(*angle) as f32).collect(),
-            opposite: (0..n).map(opposite).collect(),
+            is_full_turn: lidar.is_full_turn(),
             max_speed: limits.max_speed.max(limits.max_reverse_speed),
             max_yaw_rate: limits.max_yaw_rate,
         }
@@ -122,13 +116,11 @@ impl Encoder {
         assert_eq!(sensed.scan.len(), n_beams, "one range per beam");
         let (distance, bearing) = sensed.goal_polar();
         let side = self.side(sensed);
-        let (scan, others) = obs.split_at_mut(n_beams);
-        match side {
-            Side::AsSeen => scan.iter_mut().enumerate().for_each(|(k, out)| *out = self.range(sensed.scan, k)),
-            Side::Mirrored => {
-                let beams = scan.iter_mut().zip(&self.opposite);
-                beams.for_each(|(out, k)| *out = self.range(sensed.scan, *k));
-            }
+        let (ranges, others) = obs.split_at_mut(n_beams);
+        self.encode_ranges(sensed.scan, ranges);
+        if side == Side::Mirrored {
+            // The first beam of a full turn looks straight behind, and is its own mirror image.
+            ranges[usize::from(self.is_full_turn)..].reverse();
         }
         let left = if side == Side::Mirrored { -1.0 } else { 1.0 };
         let entries = [
@@ -143,16 +135,20 @@ impl Encoder {
         side
     }
 
-    fn range(&self, scan: &[f32], beam: usize) -> f32 {
-        let measured = scan[beam];
-        let range = if measured.is_finite() { measured.clamp(self.min_range, self.max_range) } else { self.max_range };
+    fn encode_ranges(&self, scan: &[f32], out: &mut [f32]) {
+        let seen = |range: f32| {
+            if range.is_finite() { range.clamp(self.min_range, self.max_range) } else { self.max_range }
+        };
+        let ranges = out.iter_mut().zip(scan).zip(&self.extents);
         match self.spec.encoding {
-            ScanEncoding::Linear => range / self.max_range,
-            ScanEncoding::Root => 1.0 - (range / self.max_range).sqrt(),
-            ScanEncoding::Clearance => {
-                let clearance = (range - self.extents[beam]).max(0.0);
-                Self::HALF_CLEARANCE / (clearance + Self::HALF_CLEARANCE)
+            ScanEncoding::Linear => ranges.for_each(|((out, range), _)| *out = seen(*range) / self.max_range),
+            ScanEncoding::Root => {
+                ranges.for_each(|((out, range), _)| *out = 1.0 - (seen(*range) / self.max_range).sqrt());
             }
+            ScanEncoding::Clearance => ranges.for_each(|((out, range), extent)| {
+                let clearance = (seen(*range) - extent).max(0.0);
+                *out = Self::HALF_CLEARANCE / (clearance + Self::HALF_CLEARANCE);
+            }),
         }
     }
 }

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use headway_planning::{GridMap, Route, plan};
 use headway_reward::{Limits, Reward};
 use headway_sensors::{Lidar, ObstacleAngle};
-use headway_sim::{Point, Vehicle, World, WorldSource, positive};
+use headway_sim::check::positive;
+use headway_sim::{Point, Vehicle, World, WorldSource};
 
 use crate::spec::RouteSpec;
 use crate::{ActionSet, Control, Encoder, EnvError, GoalHandling, NavSpec};

@@ -68,7 +68,7 @@ impl Navigator {
     /// # Errors
     /// If the scenario cannot be made.
     pub fn new(mdp: Arc<Mdp>, seed: u64, index: u64) -> Result<Self, EnvError> {
-        let scenario = mdp.source.sample(&mut stream(seed, "layout", index))?;
+        let scenario = mdp.source.scenario(seed, index)?;
         Self::in_scenario(mdp, scenario, seed, index)
     }
 
@@ -153,7 +153,7 @@ impl Navigator {
         if drives_on {
             let here = self.state.vehicle.pose.translation.vector.into();
             let footprint = self.mdp.vehicle.footprint();
-            let goal = self.state.scenario.new_goal(&here, footprint, &mut self.state.goals)?;
+            let goal = self.state.scenario.new_goal(&here, footprint, &mut self.state.goals);
             self.state.goal = goal;
             self.state.route = self.mdp.plan_route(&self.state.scenario.world, &here, &goal)?;
             self.state.n_steps = 0;

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use headway_planning::PurePursuit;
 use headway_reward::Reward;
 use headway_sensors::{LidarSpec, ObstacleAngleSpec};
-use headway_sim::{FieldError, VehicleSpec, WorldSpec, non_negative, within};
+use headway_sim::check::{non_negative, within};
+use headway_sim::{FieldError, VehicleSpec, WorldSpec};
 use serde::{Deserialize, Serialize};
 
 use crate::{ActionSpec, ObservationSpec};
@@ -122,7 +123,11 @@ impl Default for Control {
 }
 
 impl RouteSpec {
-    pub(crate) fn check(&self) -> Result<(), FieldError> {
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// Names the field that is not allowed.
+    pub fn check(&self) -> Result<(), FieldError> {
         within("cell", self.cell, 0.02, 0.5)?;
         non_negative("margin", self.margin)?;
         self.pursuit.check().map_err(|e| e.under("pursuit"))

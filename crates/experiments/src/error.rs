@@ -23,6 +23,14 @@ pub enum Error {
         /// What the system answered.
         source: std::io::Error,
     },
+    /// One run of several failed.
+    #[error("{source} ({run})")]
+    Run {
+        /// The run: its cell, its seed and its folder.
+        run: String,
+        /// What it failed with.
+        source: Box<Error>,
+    },
     /// Anything else: the run itself failed.
     #[error(transparent)]
     Failure(Box<dyn std::error::Error + Send + Sync>),
@@ -49,6 +57,7 @@ impl Error {
         match self {
             Self::Spec(_) | Self::Input(_) => 2,
             Self::Io { source, .. } if is_input(source) => 2,
+            Self::Run { source, .. } => source.exit_code(),
             Self::Io { .. } | Self::Failure(_) => 1,
         }
     }

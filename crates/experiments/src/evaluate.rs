@@ -3,9 +3,10 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use headway_env::{Event, Mdp, NavSpec, Navigator, StepEnd};
+use headway_env::{EnvSpec, Event, Mdp, NavSpec, Navigator, StepEnd};
 use headway_planning::Controller;
-use headway_sim::{Point, Scenario, Surface, stream, stream_seed};
+use headway_policy::{Driver, Policy};
+use headway_sim::{Point, Scenario, Surface, stream_seed};
 
 use crate::Error;
 use crate::episode::{EpisodeMeter, EpisodeRecord, Outcome, Sample};
@@ -32,7 +33,7 @@ impl ScenarioSet {
     pub fn new(mdp: &Mdp, n_episodes: usize, seed: u64) -> Result<Self, Error> {
         let seed = stream_seed(seed, "evaluate", 0);
         let make = |index| {
-            let scenario = mdp.source().sample(&mut stream(seed, "layout", index)).map_err(Error::failure)?;
+            let scenario = mdp.source().scenario(seed, index).map_err(Error::failure)?;
             let start = Point::from(scenario.start.translation.vector);
             let way = mdp.geodesic(&scenario.world, &start, &scenario.goal) - mdp.reach_radius();
             Ok((scenario, way.max(0.0)))
@@ -154,16 +155,22 @@ fn outcome(end: &StepEnd) -> Option<Outcome> {
     }
 }
 
-/// The decision process that a policy drives in: the world, the goal and the time limit of `rules`, and all else as in
-/// the policy's own header.
+/// The decision process that a policy drives in, and the policy as its driver: the world, the goal and the time limit of
+/// `rules`, and all else as in the policy's own header.
 ///
 /// # Errors
 /// If the policy was made for another vehicle or lidar than `rules` have.
-pub fn for_policy(mut rules: NavSpec, policy: &headway_policy::Policy) -> Result<Arc<Mdp>, Error> {
-    policy.check(&rules.vehicle, &rules.lidar).map_err(|error| Error::Input(error.to_string()))?;
+pub fn for_policy(mut rules: NavSpec, policy: &Arc<Policy>) -> Result<(Arc<Mdp>, Driver), Error> {
+    let driver = Driver::new(Arc::clone(policy), &rules.vehicle, &rules.lidar);
+    let driver = driver.map_err(|error| Error::Input(error.to_string()))?;
+    adapt(&mut rules.env, policy);
+    Ok((rules.build().map_err(Error::failure)?, driver))
+}
+
+/// Replaces what a policy brings along.
+pub(crate) fn adapt(env: &mut EnvSpec, policy: &Policy) {
     let header = policy.header();
-    rules.env.control = header.control;
-    rules.env.actions = header.actions.clone();
-    rules.env.observation = header.observation;
-    rules.build().map_err(Error::failure)
+    env.control = header.control;
+    env.actions = header.actions.clone();
+    env.observation = header.observation;
 }

@@ -19,24 +19,24 @@ use display::Work;
 pub struct Job<I> {
     /// What the job needs to know.
     pub input: I,
-    /// The work in it, in env steps; only progress and time left depend on it.
-    pub n_steps: u64,
+    /// The work in it, in any unit that all jobs share; only progress and time left depend on it.
+    pub work: u64,
 }
 
 /// The way in which a job reports how far it is.
 #[derive(Debug)]
 pub struct Progress<'a> {
     total: &'a AtomicU64,
-    n_steps: u64,
+    share: u64,
     reported: AtomicU64,
 }
 
 impl Progress<'_> {
-    /// Adds env steps that the job has made; cheap enough for every few hundred steps. Steps beyond the job's share
-    /// do not count.
-    pub fn advance(&self, n_steps: u64) {
-        let before = self.reported.fetch_add(n_steps, Ordering::Relaxed);
-        let counted = n_steps.min(self.n_steps.saturating_sub(before));
+    /// Adds work that the job has done; cheap enough for every few hundred env steps. Work beyond the job's share
+    /// does not count.
+    pub fn advance(&self, work: u64) {
+        let before = self.reported.fetch_add(work, Ordering::Relaxed);
+        let counted = work.min(self.share.saturating_sub(before));
         self.total.fetch_add(counted, Ordering::Relaxed);
     }
 }
@@ -47,7 +47,7 @@ impl Progress<'_> {
 /// use std::num::NonZeroUsize;
 /// use headway_experiments::jobs::{Display, Job, run};
 ///
-/// let jobs: Vec<_> = (0..8).map(|input| Job { input, n_steps: 1 }).collect();
+/// let jobs: Vec<_> = (0..8).map(|input| Job { input, work: 1 }).collect();
 /// let workers = NonZeroUsize::new(3).unwrap();
 /// let squares = run(&jobs, workers, Display::Silent, |input: &u64, progress| {
 ///     progress.advance(1);
@@ -68,7 +68,7 @@ pub fn run<I: Sync, T: Send, E: Send>(
     display: Display,
     work: impl Fn(&I, &Progress<'_>) -> Result<T, E> + Sync,
 ) -> Result<Vec<T>, E> {
-    let queue = Queue { jobs, next: AtomicUsize::new(0), n_steps: AtomicU64::new(0) };
+    let queue = Queue { jobs, next: AtomicUsize::new(0), done: AtomicU64::new(0) };
     let results: Mutex<Vec<Option<Result<T, E>>>> = Mutex::new(jobs.iter().map(|_| None).collect());
     let (finished, events) = mpsc::channel();
     thread::scope(|scope| {
@@ -77,15 +77,17 @@ pub fn run<I: Sync, T: Send, E: Send>(
             let (queue, results, work) = (&queue, &results, &work);
             scope.spawn(move || {
                 while let Some((i, result)) = queue.run_next(work) {
+                    if result.is_ok() {
+                        // The display hangs up only when all workers have.
+                        let _ = finished.send(());
+                    }
                     lock(results)[i] = Some(result);
-                    // The display hangs up only when all workers have.
-                    let _ = finished.send(());
                 }
             });
         }
         drop(finished);
-        let n_steps = jobs.iter().map(|job| job.n_steps).sum();
-        display.follow(Work { n_jobs: jobs.len(), n_steps }, &events, &queue.n_steps);
+        let amount = jobs.iter().map(|job| job.work).sum();
+        display.follow(Work { n_jobs: jobs.len(), amount }, &events, &queue.done);
     });
     // A job that was never handed out comes after one that failed, at which collecting stops.
     results.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().flatten().collect()
@@ -99,7 +101,8 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 struct Queue<'a, I> {
     jobs: &'a [Job<I>],
     next: AtomicUsize,
-    n_steps: AtomicU64,
+    /// The work done, over all jobs.
+    done: AtomicU64,
 }
 
 impl<I> Queue<'_, I> {
@@ -108,9 +111,9 @@ impl<I> Queue<'_, I> {
         let i = self.next.fetch_add(1, Ordering::Relaxed);
         let job = self.jobs.get(i)?;
         let empty_on_panic = EmptyOnDrop(self);
-        let progress = Progress { total: &self.n_steps, n_steps: job.n_steps, reported: AtomicU64::new(0) };
+        let progress = Progress { total: &self.done, share: job.work, reported: AtomicU64::new(0) };
         let result = work(&job.input, &progress);
-        progress.advance(job.n_steps); // a job that does not report counts when it ends
+        progress.advance(job.work); // a job that does not report counts when it ends
         if result.is_ok() {
             std::mem::forget(empty_on_panic);
         }
@@ -133,7 +136,7 @@ mod tests {
     use std::time::Duration;
 
     fn jobs(n: usize) -> Vec<Job<usize>> {
-        (0..n).map(|input| Job { input, n_steps: 10 }).collect()
+        (0..n).map(|input| Job { input, work: 10 }).collect()
     }
 
     fn workers(n: usize) -> NonZeroUsize {
@@ -188,7 +191,7 @@ mod tests {
     #[test]
     fn a_job_counts_for_its_share_and_no_more() {
         let total = AtomicU64::new(0);
-        let progress = Progress { total: &total, n_steps: 10, reported: AtomicU64::new(0) };
+        let progress = Progress { total: &total, share: 10, reported: AtomicU64::new(0) };
         progress.advance(4);
         assert_eq!(total.load(Ordering::Relaxed), 4);
         progress.advance(100);

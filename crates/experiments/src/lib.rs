@@ -1,10 +1,13 @@
 //! Specs, grids, the training loop, evaluation, statistics and reports: the experiments binary.
 
 pub mod cli;
+mod difference;
 pub mod episode;
 mod error;
 pub mod evaluate;
 pub mod jobs;
+mod once_map;
+mod plan;
 pub mod plot;
 pub mod report;
 pub mod spec;

@@ -4,9 +4,11 @@ mod csv;
 mod json;
 mod layout;
 mod load;
+mod runs;
 mod table;
 
 pub use load::load;
+pub use runs::{Policy, RunRow};
 
 use crate::episode::{EpisodeRecord, Metric, SeedSummary};
 use crate::stats::{Estimate, over_seeds, wilson};
@@ -25,13 +27,15 @@ pub struct Report {
     pub axes: Vec<String>,
     /// One row per cell and evaluation world, in the order of the grid.
     pub rows: Vec<Row>,
+    /// One row per run, cell by cell, seed by seed; none of a single policy.
+    pub runs: Vec<RunRow>,
     /// What the intervals are.
     pub interval: Interval,
     /// Number of runs of which the policy and all evaluations are there.
     pub n_complete: usize,
     /// Number of runs of the grid.
     pub n_runs: usize,
-    /// Reasons to distrust the comparison: runs of several revisions or versions.
+    /// Reasons to distrust the comparison: damaged folders, runs of several revisions or versions.
     pub warnings: Vec<String>,
 }
 
@@ -40,7 +44,7 @@ pub struct Report {
 pub enum Interval {
     /// 95 % percentile bootstrap over the training seeds.
     Seeds,
-    /// 95 % Wilson score intervals of one policy's rates over its episodes; the other metrics have none.
+    /// None over seeds, for there is one policy; its rates have 95 % Wilson score intervals over its episodes.
     Episodes,
 }
 
@@ -57,6 +61,8 @@ pub struct Row {
     pub n_episodes: usize,
     /// The estimates, in the order of [`Metric::ALL`].
     pub estimates: [Estimate; Metric::ALL.len()],
+    /// In the same order: the 95 % Wilson score interval over the episodes, low and high, of the rates of a single policy.
+    pub wilson: [Option<(f64, f64)>; Metric::ALL.len()],
 }
 
 impl Row {
@@ -72,14 +78,25 @@ impl Row {
             n_seeds: seeds.len(),
             n_episodes: seeds.iter().map(|seed| seed.n_episodes).sum(),
             estimates,
+            wilson: [None; Metric::ALL.len()],
         }
     }
 
     /// The estimate of a metric.
     pub fn estimate(&self, metric: Metric) -> Estimate {
-        let place = Metric::ALL.iter().position(|m| *m == metric);
-        self.estimates[place.expect("ALL holds every metric")]
+        self.estimates[place(metric)]
     }
+
+    /// The interval of a metric, low and high: over the seeds, or else over the episodes of a single policy.
+    pub fn interval(&self, metric: Metric) -> Option<(f64, f64)> {
+        let Estimate { low, high, .. } = self.estimate(metric);
+        low.zip(high).or(self.wilson[place(metric)])
+    }
+}
+
+/// The place of a metric in [`Metric::ALL`].
+fn place(metric: Metric) -> usize {
+    Metric::ALL.iter().position(|m| *m == metric).expect("ALL holds every metric")
 }
 
 /// The report on a single policy: one row per world, from the world's name and the episodes driven in it.
@@ -96,21 +113,28 @@ impl Row {
 /// ```
 pub fn of_policy(worlds: &[(impl AsRef<str>, Vec<EpisodeRecord>)]) -> Report {
     let rows = worlds.iter().map(|(world, episodes)| policy_row(world.as_ref(), episodes)).collect();
-    Report { axes: Vec::new(), rows, interval: Interval::Episodes, n_complete: 1, n_runs: 1, warnings: Vec::new() }
+    Report {
+        axes: Vec::new(),
+        rows,
+        runs: Vec::new(),
+        interval: Interval::Episodes,
+        n_complete: 1,
+        n_runs: 1,
+        warnings: Vec::new(),
+    }
 }
 
 fn policy_row(world: &str, episodes: &[EpisodeRecord]) -> Row {
     let mut row = Row::of_seeds(Vec::new(), world.to_owned(), &[SeedSummary::of(episodes)]);
-    for (estimate, metric) in row.estimates.iter_mut().zip(Metric::ALL) {
-        if let Some(outcome) = metric.outcome() {
-            *estimate = wilson(episodes.iter().filter(|e| e.outcome == outcome).count(), episodes.len());
-        }
-    }
+    row.wilson = Metric::ALL.map(|metric| {
+        let outcome = metric.outcome()?;
+        wilson(episodes.iter().filter(|e| e.outcome == outcome).count(), episodes.len())
+    });
     row
 }
 
 impl Report {
-    /// What a reader must know before trusting the numbers, one line each: unfinished runs and mixed versions.
+    /// What a reader must know before trusting the numbers, one line each: unfinished runs, damage and mixed versions.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
         if self.n_complete < self.n_runs {

@@ -54,26 +54,25 @@ pub fn over_seeds(values: &[Option<f64>]) -> Estimate {
     }
 }
 
-/// The share of successes in `n` independent trials with its 95 % Wilson score interval (Wilson, 1927): for the rates
-/// of *one* policy, where the episodes are the unit.
+/// The 95 % Wilson score interval of the share of successes in `n` independent trials (Wilson, 1927), low and high: for
+/// the rates of *one* policy, where the episodes are the unit. `None` without a trial.
 ///
 /// ```
 /// use headway_experiments::stats::wilson;
 ///
-/// let rate = wilson(0, 10);
-/// assert_eq!((rate.mean, rate.low), (Some(0.0), Some(0.0)));
-/// assert!((rate.high.unwrap() - 0.2775).abs() < 1e-4);
+/// let (low, high) = wilson(0, 10).unwrap();
+/// assert_eq!(low, 0.0);
+/// assert!((high - 0.2775).abs() < 1e-4);
 /// ```
-pub fn wilson(successes: usize, n: usize) -> Estimate {
+pub fn wilson(successes: usize, n: usize) -> Option<(f64, f64)> {
     if n == 0 {
-        return Estimate { mean: None, low: None, high: None, n: 0 };
+        return None;
     }
     let (p, n) = (successes as f64 / n as f64, n as f64);
     let centre = (p + Z * Z / (2.0 * n)) / (1.0 + Z * Z / n);
     let half = Z / (1.0 + Z * Z / n) * (p * (1.0 - p) / n + Z * Z / (4.0 * n * n)).sqrt();
     // The interval holds the rate; rounding must not say otherwise where the two meet, at 0 and 1.
-    let (low, high) = ((centre - half).clamp(0.0, p), (centre + half).clamp(p, 1.0));
-    Estimate { mean: Some(p), low: Some(low), high: Some(high), n: 1 }
+    Some(((centre - half).clamp(0.0, p), (centre + half).clamp(p, 1.0)))
 }
 
 fn mean(values: &[f64]) -> f64 {
@@ -174,11 +173,11 @@ mod tests {
         for (successes, n, low, high) in
             [(81, 263, 0.2553, 0.3662), (15, 148, 0.0624, 0.1605), (0, 20, 0.0, 0.1611), (1, 29, 0.0061, 0.1718)]
         {
-            let rate = wilson(successes, n);
-            assert!((rate.low.unwrap() - low).abs() < 6e-5, "{rate:?}");
-            assert!((rate.high.unwrap() - high).abs() < 6e-5, "{rate:?}");
+            let interval = wilson(successes, n).unwrap();
+            assert!((interval.0 - low).abs() < 6e-5, "{interval:?}");
+            assert!((interval.1 - high).abs() < 6e-5, "{interval:?}");
         }
-        assert_eq!(wilson(7, 7).high, Some(1.0));
-        assert_eq!(wilson(0, 0).mean, None);
+        assert_eq!(wilson(7, 7).unwrap().1, 1.0);
+        assert_eq!(wilson(0, 0), None);
     }
 }

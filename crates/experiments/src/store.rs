@@ -8,17 +8,18 @@
 //!     run.json                     seed, versions, code revision
 //!     metrics.csv                  one row per logging interval
 //!     policy.safetensors           what it learned
-//!     timing.json                  wall and CPU seconds, dates: the only file in which times are
-//!     done                         written last
+//!     timing.json                  wall and CPU seconds of the training, dates
+//!     done                         written last: the hashes of the files beside it
 //!     evaluations/<eval id>/       one evaluation of that policy
-//!       spec.toml  episodes.csv  done
+//!       spec.toml  episodes.csv  timing.json  done
 //! ```
 //!
 //! Ids are hashes of all that determines a result, so that the same run is never made twice. What has no `done` is
-//! half-written: it is removed and made anew. Apart from `timing.json`, files depend on nothing but their id and the
+//! half-written, and what is not as its `done` says is damaged: both are made anew. Apart from `timing.json`, files depend on nothing but their id and the
 //! code's revision.
 
 mod atomic;
+mod done;
 mod error;
 mod id;
 mod index;
@@ -26,6 +27,7 @@ mod lock;
 mod run;
 mod timing;
 
+pub use done::State;
 pub use error::StoreError;
 pub use id::{EvaluationKey, Id, TrainKey};
 pub use index::{AxisLevel, Cell, GridAxis, Index, IndexedEvaluation, IndexedRun};

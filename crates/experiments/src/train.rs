@@ -3,14 +3,20 @@
 use std::collections::BTreeMap;
 
 use headway_env::{Env, Event, NavEnv, Step};
-use headway_policy::{Header, Layer, Policy};
+use headway_policy::{Header, Layer, Normalisation, Policy};
 use headway_rl::{Agent, Dqn, Loss, Mode, StepBatch};
 use headway_sim::stream_seed;
 use serde::Serialize;
 
 use crate::Error;
+use crate::plan::train_id;
 use crate::spec::RunSpec;
 use crate::store::CODE_REVISION;
+
+/// Under which key a policy's provenance holds the seed of its run.
+pub const PROVENANCE_SEED: &str = "seed";
+/// Under which key a policy's provenance holds the id of its run.
+pub const PROVENANCE_TRAIN_ID: &str = "train_id";
 
 /// A training run, from its first step to its policy.
 ///
@@ -172,21 +178,25 @@ impl<'a> Training<'a> {
         })
     }
 
-    /// The greedy policy learned so far: the averaged weights, with all that driving by them needs.
+    /// The greedy policy learned so far: the averaged weights, with all that driving by them needs, and, under
+    /// [`PROVENANCE_TRAIN_ID`] and [`PROVENANCE_SEED`], the run that it comes from.
     ///
     /// # Errors
     /// If the weights are no longer finite.
     pub fn policy(&self) -> Result<Policy, Error> {
+        let train_id = train_id(self.spec, self.seed)?;
         let header = Header {
             vehicle: self.spec.vehicle.clone(),
             lidar: self.spec.lidar.clone(),
             control: self.spec.env.control,
             actions: self.spec.env.actions.clone(),
             observation: self.spec.env.observation,
+            normalisation: Normalisation::default(),
             provenance: BTreeMap::from([
                 ("code_revision".to_owned(), CODE_REVISION.to_owned()),
                 ("env_steps".to_owned(), self.n_env_steps.to_string()),
-                ("seed".to_owned(), self.seed.to_string()),
+                (PROVENANCE_SEED.to_owned(), self.seed.to_string()),
+                (PROVENANCE_TRAIN_ID.to_owned(), train_id.to_string()),
             ]),
         };
         let layers = self.agent.layers().map_err(Error::failure)?;

@@ -38,9 +38,10 @@ fn rewards() {
         (
             "[reward]\ntype = \"r_cuple\"",
             &[],
-            "spec.toml:2: reward.type = \"r_cuple\": unknown reward; did you mean `r_couple`? Known: `heading`, \
-             `progress`, `proximity`, `r`, `r_couple`, `sum`, `time`. A plugin's rewards, named `plugin/reward`, are \
-             known only to a binary that links its crate: write `use my_rewards as _;` in that binary's main.rs",
+            "spec.toml:2: reward.type = \"r_cuple\": unknown reward `r_cuple`: this binary knows heading, progress, \
+             proximity, r, r_couple, sum, time. A plugin's rewards are known only to a binary that links the plugin and \
+             names it, as in `use my_rewards as _;` in its main.rs: without that line the linker drops the plugin. Did \
+             you mean `r_couple`?",
         ),
         (
             "[reward]\ntype = \"sum\"\nterms = [\n  { weight = 1, reward = { type = \"r\" } },\n  \
@@ -112,7 +113,7 @@ fn numbers() {
             &[],
             "spec.toml:2: train.n_steps = 10: must be 32 or more: train.n_envs copies of the environment step together",
         ),
-        ("[evaluate]\nn_episodes = 0", &[], "spec.toml:2: evaluate.n_episodes = 0: must be 1 or more"),
+        ("[evaluate]\nn_episodes = 0", &[], "spec.toml:2: evaluate.n_episodes = 0: must be 1 to 10000000"),
         (
             "[[evaluate.worlds]]\nname = \"a\"\ntime_limit = -1\nworld = { type = \"room_10x15\" }",
             &[],

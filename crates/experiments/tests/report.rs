@@ -86,14 +86,18 @@ fn evaluations() -> Vec<IndexedEvaluation> {
 }
 
 fn run(store: &Store, cell: usize, seed: u64, skill: u32) -> Id {
+    run_of(store, cell, skill, &RunInfo::new(seed, 1))
+}
+
+fn run_of(store: &Store, cell: usize, skill: u32, info: &RunInfo) -> Id {
     let spec = json!({ "cell": cell });
-    let id = TrainKey { spec: &spec, seed, reward_version: 1 }.id().unwrap();
-    let pending = store.run(&id).start(&spec, &RunInfo::new(seed, 1)).unwrap();
+    let id = TrainKey { spec: &spec, seed: info.seed, reward_version: 1 }.id().unwrap();
+    let pending = store.run(&id).start(&spec, info).unwrap();
     pending.write_policy(b"").unwrap();
     let run = pending.finish(&Stopwatch::start().stop()).unwrap();
     for (k, world) in (0..).zip(&WORLDS) {
         let evaluation = run.evaluation(&key(world).id().unwrap());
-        evaluation.write(&key(world), &episodes(skill, k)).unwrap();
+        evaluation.write(&key(world), &episodes(skill, k), &Stopwatch::start().stop()).unwrap();
     }
     id
 }
@@ -232,13 +236,66 @@ unfinished: 10 of 16 runs are complete
 #[test]
 fn mixed_versions_and_revisions_are_flagged() {
     let fixture = Fixture::new(3, skill);
-    let path = fixture.run(1, 1).join("run.json");
     let info = RunInfo { results_version: 0, revision: "abc1234".into(), ..RunInfo::new(1, 1) };
-    std::fs::write(path, serde_json::to_string(&info).unwrap()).unwrap();
+    run_of(&Store::open(fixture.path()).unwrap(), 1, skill(1, 1), &info);
     let notes = fixture.report().notes();
     assert_eq!(notes[0], "warning: runs of several results versions: 0 (1 runs), 1 (11 runs)");
     assert!(notes[1].starts_with("warning: runs of several code revisions: "), "{notes:?}");
     assert!(notes[1].contains("abc1234 (1 runs)"), "{notes:?}");
+}
+
+/// A missing file made the report fail, and every later `run`.
+#[test]
+fn damaged_folders_are_named_and_the_rest_is_shown() {
+    let fixture = Fixture::new(4, skill);
+    let (run, other) = (fixture.run(1, 1), fixture.run(2, 2));
+    std::fs::write(run.join("policy.safetensors"), "half").unwrap();
+    let evaluation = other.join("evaluations").join(key(&WORLDS[1]).id().unwrap().as_str());
+    std::fs::remove_file(evaluation.join("episodes.csv")).unwrap();
+    let report = fixture.report();
+    let redo = "`experiments run` will redo it";
+    assert_eq!(
+        report.notes(),
+        [
+            "unfinished: 14 of 16 runs are complete".to_owned(),
+            format!("warning: `{}` is damaged: policy.safetensors is not what was written; {redo}", run.display()),
+            format!("warning: `{}` is damaged: episodes.csv is missing; {redo}", evaluation.display()),
+        ]
+    );
+    let n_seeds: Vec<_> = report.rows.iter().map(|row| row.n_seeds).collect();
+    assert_eq!(n_seeds, [4, 4, 3, 3, 4, 3, 4, 4]);
+}
+
+/// Intervals over episodes stood under the keys of those over seeds.
+#[test]
+fn a_single_policy_has_no_interval_over_seeds() {
+    let report = of_policy(&[("room_10x15", episodes(6, 0))]);
+    let rows: Vec<Value> = serde_json::from_str(&report.json()).unwrap();
+    let success = &rows[0]["success"];
+    assert_eq!((&success["mean"], &success["n"]), (&json!(0.75), &json!(1)));
+    assert!(success["low"].is_null() && success["high"].is_null(), "{success}");
+    assert!((success["wilson_low"].as_f64().unwrap() - 0.409).abs() < 1e-3, "{success}");
+    assert!((success["wilson_high"].as_f64().unwrap() - 0.929).abs() < 1e-3, "{success}");
+    assert_eq!(rows[0]["spl"].as_object().unwrap().len(), 4, "rates only");
+    let (csv, grid) = (report.csv(), Fixture::new(3, skill).report());
+    assert!(csv.starts_with("world,seeds,episodes,success,success_low,success_high,collision,"), "{csv}");
+    assert!(csv.lines().next().unwrap().ends_with(",timeout_wilson_low,timeout_wilson_high"), "{csv}");
+    assert!(!grid.json().contains("wilson") && !grid.csv().contains("wilson"));
+}
+
+#[test]
+fn the_list_of_runs() {
+    let fixture = Fixture::new(3, skill);
+    std::fs::remove_file(fixture.run(3, 2).join("done")).unwrap();
+    let text = fixture.report().runs_table();
+    let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split_whitespace().collect()).collect();
+    assert_eq!(lines[0], ["reward", "agent", "seed", "id", "room_10x15", "room_25x25", "policy"]);
+    assert_eq!(lines[1], ["success", "%", "success", "%"]);
+    assert_eq!(lines.len(), 3 + 12 + 1);
+    let policy = fixture.run(2, 1).join("policy.safetensors").display().to_string();
+    assert_eq!([&lines[10][..3], &lines[10][4..]].concat(), ["R_couple", "DQN", "1", "100.0", "100.0", &policy]);
+    assert_eq!(lines[14][4..], ["–", "–", "unfinished"]);
+    assert_eq!(text.lines().last().unwrap(), "unfinished: 11 of 12 runs are complete");
 }
 
 #[test]

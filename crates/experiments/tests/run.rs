@@ -33,8 +33,12 @@ struct Bench {
 
 impl Bench {
     fn new() -> Self {
+        Self::of(SPEC)
+    }
+
+    fn of(spec: &str) -> Self {
         let folder = tempfile::tempdir().unwrap();
-        fs::write(folder.path().join("spec.toml"), SPEC).unwrap();
+        fs::write(folder.path().join("spec.toml"), spec).unwrap();
         Self { folder }
     }
 
@@ -53,6 +57,29 @@ impl Bench {
         let errors = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "{args:?}: {errors}");
         String::from_utf8(output.stdout).unwrap()
+    }
+
+    /// Runs it and expects this exit code; what it said on the standard error stream.
+    fn fail(&self, args: &[&str], exit_code: i32) -> String {
+        let output = self.experiments(args);
+        let errors = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(exit_code), "{args:?}: {errors}");
+        errors
+    }
+
+    /// Runs it and expects success; what it said on the standard error stream.
+    fn notes(&self, args: &[&str]) -> String {
+        self.fail(args, 0)
+    }
+
+    fn json(&self, args: &[&str]) -> Value {
+        serde_json::from_str(&self.succeed(args)).unwrap()
+    }
+
+    /// The folder of a run, relative to the bench.
+    fn run(&self, out: &str, cell: usize, seed: usize) -> String {
+        let index: Value = serde_json::from_slice(&fs::read(self.path(out).join("index.json")).unwrap()).unwrap();
+        format!("{out}/runs/{}", index["cells"][cell]["runs"][seed]["train_id"].as_str().unwrap())
     }
 }
 
@@ -78,7 +105,7 @@ fn one_and_two_jobs_leave_the_same_bytes() {
     let bench = Bench::new();
     let table = bench.succeed(&["run", "spec.toml", "--out", "one", "--jobs", "1"]);
     let other = bench.succeed(&["run", "spec.toml", "--out", "two", "--jobs", "2"]);
-    assert_eq!(table.replace("results in one", "results in two"), other);
+    assert_eq!(table.replace("in one", "in two").replace("report one", "report two"), other);
     let (one, two) = (contents(&bench.path("one")), contents(&bench.path("two")));
     assert_eq!(one.keys().collect::<Vec<_>>(), two.keys().collect::<Vec<_>>());
     for kind in ["metrics.csv", "policy.safetensors", "episodes.csv", "spec.toml", "run.json"] {
@@ -126,9 +153,7 @@ fn a_saved_policy_is_evaluated_as_in_its_run() {
     let report: Value = serde_json::from_str(&bench.succeed(&["report", "out", "--format", "json"])).unwrap();
     let row = &report[0];
     assert_eq!(row["axes"], serde_json::json!({ "agent": "DQN" }));
-    let index: Value = serde_json::from_slice(&fs::read(bench.path("out/index.json")).unwrap()).unwrap();
-    let id = index["cells"][0]["runs"][0]["train_id"].as_str().unwrap();
-    let policy = format!("out/runs/{id}/policy.safetensors");
+    let policy = bench.run("out", 0, 0) + "/policy.safetensors";
     let args = ["evaluate", &policy, "--spec", "spec.toml", "--format", "json", "--plot", "drive.svg"];
     let evaluated: Value = serde_json::from_str(&bench.succeed(&args)).unwrap();
     for metric in ["success", "collision", "timeout", "mean_speed", "spl"] {
@@ -176,7 +201,7 @@ fn a_policy_is_refused_by_another_robot_and_for_an_unknown_world() {
 fn held_out_scenarios_are_none_of_the_training() {
     use headway_experiments::evaluate::ScenarioSet;
     use headway_experiments::spec::RunSpec;
-    use headway_sim::{stream, stream_seed};
+    use headway_sim::stream_seed;
     let mut spec = RunSpec::default();
     spec.evaluate.seed = 0; // also a training seed
     let mdp = spec.evaluation(&spec.evaluate.worlds[0]).build().unwrap();
@@ -185,7 +210,214 @@ fn held_out_scenarios_are_none_of_the_training() {
     let mut driver = headway_planning::PurePursuit::default();
     set.drive(&mdp, &mut driver, 0, |vehicle| starts.push(vehicle.vehicle().pose)).unwrap();
     for k in 0..100 {
-        let trained = mdp.source().sample(&mut stream(stream_seed(0, "train", 0), "layout", k)).unwrap();
+        let trained = mdp.source().scenario(stream_seed(0, "train", 0), k).unwrap();
         assert_ne!(trained.start, starts[0]);
     }
+}
+
+/// Short runs of two cells that train alike and count another distance as reaching the goal.
+const REACH: &str = r#"
+name = "reach"
+seeds = { first = 0, count = 1 }
+train = { n_steps = 640 }
+
+[evaluate]
+n_episodes = 12
+[[evaluate.worlds]]
+name = "small"
+time_limit = 20.0
+world = { type = "room_10x15" }
+
+[[axis]]
+name = "reach"
+[axis.levels]
+near = { "env.reach_radius" = 0.3 }
+far = { "env.reach_radius" = 3.0 }
+"#;
+
+/// `evaluate` took the first cell whose robot matched: another cell's goals, worlds and limits.
+#[test]
+fn a_policy_is_evaluated_as_its_own_cell_says() {
+    let bench = Bench::of(REACH);
+    bench.succeed(&["run", "spec.toml", "--out", "out"]);
+    let report = bench.json(&["report", "out", "--format", "json"]);
+    for (cell, name) in ["near", "far"].iter().enumerate() {
+        let policy = bench.run("out", cell, 0) + "/policy.safetensors";
+        let evaluated = bench.json(&["evaluate", &policy, "--spec", "spec.toml", "--format", "json"]);
+        for metric in ["success", "collision", "mean_speed", "spl"] {
+            assert_eq!(evaluated[0][metric]["mean"], report[cell][metric]["mean"], "{name}: {metric}");
+        }
+        let table = bench.succeed(&["evaluate", &policy, "--spec", "spec.toml"]);
+        assert!(table.ends_with(&format!("in the worlds of the cell reach={name}\n")), "{table}");
+    }
+}
+
+#[test]
+fn cells_that_differ_in_how_they_evaluate_must_be_chosen_from() {
+    let bench = Bench::of(REACH);
+    bench.succeed(&["run", "spec.toml", "--out", "out"]);
+    let policy = bench.run("out", 1, 0) + "/policy.safetensors";
+    // The run of neither cell: nothing says which one is meant.
+    let other = ["evaluate", &policy, "--spec", "spec.toml", "--set", "agent.gamma=0.9"];
+    assert_eq!(
+        bench.fail(&other, 2),
+        "error: 2 cells of the spec fit this policy and differ in how they evaluate; choose one:\n  \
+         --cell reach=near\n  --cell reach=far    unlike the first: env.reach_radius is 0.3 there, 3.0 here\n"
+    );
+    let with = |cell: &str| bench.json(&[&other[..], &["--format", "json", "--cell", cell]].concat());
+    let report = bench.json(&["report", "out", "--format", "json"]);
+    assert_eq!(with("reach=far")[0]["spl"]["mean"], report[1]["spl"]["mean"]);
+    assert_ne!(with("reach=near")[0]["spl"]["mean"], report[1]["spl"]["mean"]);
+    // What does not differ need not be chosen.
+    bench.succeed(&[&other[..], &["--set", "env.reach_radius=1.0"]].concat());
+    for (cell, message) in [
+        ("rech=far", "--cell rech=far: unknown axis; there are: reach"),
+        ("reach=fra", "--cell reach=fra: unknown level; there are: near, far"),
+        ("reach=near,reach=far", "--cell: no cell has two levels of one axis"),
+    ] {
+        assert_eq!(bench.fail(&[&other[..], &["--cell", cell]].concat(), 2), format!("error: {message}\n"));
+    }
+}
+
+/// A rerun with other values replaced the folder's report under the same labels.
+#[test]
+fn a_cell_that_means_something_else_is_refused_and_changes_nothing() {
+    let bench = Bench::of(REACH);
+    bench.succeed(&["run", "spec.toml", "--out", "out"]);
+    let before = contents(&bench.path("out"));
+    let refused = |sets: &[&str]| {
+        let sets: Vec<&str> = sets.iter().flat_map(|set| ["--set", set]).collect();
+        let message = bench.fail(&[&["run", "spec.toml", "--out", "out"], &sets[..]].concat(), 2);
+        assert!(contents(&bench.path("out")) == before, "something changed: {message}");
+        let start = "error: the results folder `out` holds other results under the same names: ";
+        let rest = message.strip_prefix(start).unwrap_or_else(|| panic!("{message}"));
+        rest.strip_suffix("; give another folder with --out\n").unwrap_or_else(|| panic!("{message}")).to_owned()
+    };
+    assert_eq!(
+        refused(&["agent.gamma=0.9"]),
+        "reach=near, seed 0: agent.gamma is 0.95 there, 0.9 here (and 1 more cell)"
+    );
+    // Other seeds under the same labels would mix two trainings no less.
+    assert!(refused(&["agent.gamma=0.9", "seeds.first=7"]).starts_with("reach=near, seed 0: agent.gamma is 0.95"));
+    assert_eq!(
+        refused(&["evaluate.worlds.0.time_limit=30"]),
+        "reach=near, world \"small\": time_limit is 20.0 there, 30.0 here (and 1 more cell)"
+    );
+    assert!(refused(&["evaluate.seed=5"]).contains("seed is 1000000 there, 5 here"));
+    // What another name or another folder holds is nobody's loss.
+    bench.succeed(&["run", "spec.toml", "--out", "other", "--set", "agent.gamma=0.9"]);
+    // More seeds, episodes, worlds and levels are welcome.
+    bench.succeed(&["run", "spec.toml", "--out", "out", "--set", "seeds.count=2", "--set", "evaluate.n_episodes=13"]);
+    let spec = REACH.to_owned() + "farther = { \"env.reach_radius\" = 4.0 }\n";
+    fs::write(bench.path("spec.toml"), spec).unwrap();
+    bench.succeed(&["run", "spec.toml", "--out", "out", "--set", "seeds.count=2"]);
+    // So is less, which is said.
+    let notes = bench.notes(&["run", "spec.toml", "--out", "out"]);
+    assert!(notes.starts_with("3 runs of the folder are not in this spec: they stay there"), "{notes}");
+    assert!(notes.ends_with("nothing to do: all 3 runs are there\n"), "{notes}");
+}
+
+/// What never finished may be given up: a run that diverged can be mended in place.
+#[test]
+fn an_unfinished_cell_may_be_redefined() {
+    let bench = Bench::of(REACH);
+    bench.succeed(&["run", "spec.toml", "--out", "out"]);
+    for cell in [0, 1] {
+        fs::remove_file(bench.path(&bench.run("out", cell, 0)).join("done")).unwrap();
+    }
+    bench.succeed(&["run", "spec.toml", "--out", "out", "--set", "agent.gamma=0.9"]);
+}
+
+/// A damaged run could be neither reported nor repaired.
+#[test]
+fn what_is_damaged_is_named_and_done_again() {
+    let bench = Bench::of(REACH);
+    bench.succeed(&["run", "spec.toml", "--out", "out"]);
+    let before = contents(&bench.path("out"));
+    let (near, far) = (bench.run("out", 0, 0), bench.run("out", 1, 0));
+    let policy = bench.path(&near).join("policy.safetensors");
+    let bytes = fs::read(&policy).unwrap();
+    fs::write(&policy, &bytes[..bytes.len() / 2]).unwrap();
+    let evaluations = fs::read_dir(bench.path(&far).join("evaluations")).unwrap().map(|entry| entry.unwrap().path());
+    let evaluations: Vec<_> = evaluations.collect();
+    fs::remove_file(evaluations[0].join("episodes.csv")).unwrap();
+    let table = bench.succeed(&["report", "out"]);
+    let evaluation = evaluations[0].file_name().unwrap().to_str().unwrap();
+    for line in [
+        "unfinished: 0 of 2 runs are complete".to_owned(),
+        format!(
+            "warning: `{near}` is damaged: policy.safetensors is not what was written; `experiments run` will redo it"
+        ),
+        format!(
+            "warning: `{far}/evaluations/{evaluation}` is damaged: episodes.csv is missing; `experiments run` will redo it"
+        ),
+    ] {
+        assert!(table.lines().any(|found| found == line), "{line}\nis not in\n{table}");
+    }
+    assert!(bench.succeed(&["report", "out", "--runs"]).contains("damaged"));
+    let notes = bench.notes(&["run", "spec.toml", "--out", "out"]);
+    assert!(notes.contains("policy.safetensors is not what was written; it is made anew\n"), "{notes}");
+    assert!(notes.contains("2 of 2 runs, took"), "{notes}");
+    assert!(contents(&bench.path("out")) == before, "not as it was");
+    assert_eq!(bench.notes(&["run", "spec.toml", "--out", "out"]), "nothing to do: all 2 runs are there\n");
+}
+
+/// The success line was printed even so, and nothing said which of many runs had failed.
+#[test]
+fn a_failing_last_run_is_named_and_no_success_is_claimed() {
+    let bad = "bad = { \"agent.learning_rate\" = { start = 1e30, end = 1e30 } }\n";
+    let bench = Bench::of(&SPEC.replace("DDQN = { \"agent.target\" = \"double_dqn\" }\n", bad));
+    let args = ["run", "spec.toml", "--out", "out", "--jobs", "1", "--set", "seeds.count=1"];
+    let errors = bench.fail(&args, 1);
+    let run = bench.run("out", 1, 0);
+    assert!(errors.starts_with("error: training diverged at gradient step "), "{errors}");
+    assert!(errors.ends_with(&format!(" (agent=bad, seed 3, in {run})\n")), "{errors}");
+    assert!(bench.path(&bench.run("out", 0, 0)).join("done").exists(), "the run before is kept");
+}
+
+#[test]
+fn training_and_evaluation_are_timed_apart() {
+    let bench = Bench::of(REACH);
+    bench.succeed(&["run", "spec.toml", "--out", "out"]);
+    let run = bench.path(&bench.run("out", 0, 0));
+    let evaluation = fs::read_dir(run.join("evaluations")).unwrap().next().unwrap().unwrap().path();
+    for folder in [run, evaluation] {
+        let timing: Value = serde_json::from_slice(&fs::read(folder.join("timing.json")).unwrap()).unwrap();
+        assert!(timing["cpu_seconds"].as_f64().unwrap() > 0.0);
+    }
+}
+
+#[test]
+fn every_run_is_listed_with_its_policy() {
+    let bench = Bench::of(REACH);
+    let table = bench.succeed(&["run", "spec.toml", "--out", "out"]);
+    assert!(table.ends_with("results in out\nevery run and its policy: experiments report out --runs\n"), "{table}");
+    let runs = bench.succeed(&["report", "out", "--runs"]);
+    let lines: Vec<Vec<&str>> = runs.lines().map(|line| line.split_whitespace().collect()).collect();
+    assert_eq!(lines[0], ["reach", "seed", "id", "small", "policy"]);
+    assert_eq!(lines.len(), 3 + 2);
+    for (cell, name) in [(0, "near"), (1, "far")] {
+        let run = bench.run("out", cell, 0);
+        let [label, seed, id, success, policy] = lines[3 + cell][..] else { panic!("{runs}") };
+        assert_eq!((label, seed, id), (name, "0", run.strip_prefix("out/runs/").unwrap()));
+        assert!((0.0..=100.0).contains(&success.parse::<f64>().unwrap()));
+        assert_eq!(policy, run + "/policy.safetensors");
+        assert!(bench.path(policy).is_file());
+    }
+    assert!(bench.fail(&["report", "out", "--runs", "--format", "csv"], 2).contains("cannot be used with"));
+}
+
+/// The drawing was written before a later world could fail.
+#[test]
+fn a_drawing_is_written_when_all_has_gone_well() {
+    let world = "[[evaluate.worlds]]\nname = \"SECOND\"\ntime_limit = 20.0\nworld = { type = \"room_25x25\" }\n";
+    let bench = Bench::of(REACH);
+    bench.succeed(&["run", "spec.toml", "--out", "out"]);
+    let policy = bench.run("out", 0, 0) + "/policy.safetensors";
+    let args = ["evaluate", &policy, "--spec", "spec.toml", "--plot", "nowhere/drive.svg"];
+    assert_eq!(bench.fail(&args, 2), "error: --plot nowhere/drive.svg: there is no folder `nowhere`\n");
+    fs::write(bench.path("spec.toml"), REACH.replace("[[axis]]", &(world.to_owned() + "[[axis]]"))).unwrap();
+    let args = ["evaluate", &policy, "--spec", "spec.toml", "--plot", "drive.svg", "--cell", "reach=near"];
+    bench.succeed(&args);
+    assert!(fs::read_to_string(bench.path("drive.svg")).unwrap().contains("small, episode 0"));
 }

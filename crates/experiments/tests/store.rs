@@ -5,7 +5,8 @@ use std::path::Path;
 
 use headway_experiments::episode::{EpisodeMeter, EpisodeRecord, Outcome, Sample};
 use headway_experiments::store::{
-    AxisLevel, Cell, EvaluationKey, GridAxis, Id, Index, RunFolder, RunInfo, Stopwatch, Store, StoreError, TrainKey,
+    AxisLevel, Cell, EvaluationKey, GridAxis, Id, Index, RunFolder, RunInfo, State, Stopwatch, Store, StoreError,
+    Timing, TrainKey,
 };
 use serde::Serialize;
 
@@ -52,6 +53,10 @@ fn episodes() -> Vec<EpisodeRecord> {
     meter.push(&sample);
     meter.push(&Sample { dt: 0.2, ..sample }); // 0.1 + 0.2: all digits must survive
     vec![meter.clone().finish(0, Outcome::Success, 0.55), meter.finish(1, Outcome::Collision, 4.0)]
+}
+
+fn timing() -> Timing {
+    Stopwatch::start().stop()
 }
 
 fn text(path: impl AsRef<Path>) -> String {
@@ -106,7 +111,7 @@ fn a_half_written_run_is_removed_evaluations_and_all() {
     let run = Store::open(folder.path()).unwrap().run(&id(3));
     finish_run(&run);
     let evaluation = run.evaluation(&key().id().unwrap());
-    evaluation.write(&key(), &episodes()).unwrap();
+    evaluation.write(&key(), &episodes(), &timing()).unwrap();
     fs::remove_file(run.path().join("done")).unwrap();
     run.start(&SPEC, &RunInfo::new(3, 1)).unwrap();
     assert!(!run.policy_path().exists() && !evaluation.path().exists() && !run.is_complete());
@@ -119,7 +124,7 @@ fn episodes_come_back_to_the_last_bit() {
     finish_run(&run);
     let evaluation = run.evaluation(&key().id().unwrap());
     assert!(!evaluation.is_complete());
-    evaluation.write(&key(), &episodes()).unwrap();
+    evaluation.write(&key(), &episodes(), &timing()).unwrap();
     assert!(evaluation.is_complete());
     assert_eq!(evaluation.episodes().unwrap(), episodes());
     let spec = "n_episodes = 2\nseed = 7\ntime_limit = 60.0\n\n[world]\ngamma = 0.95\n";
@@ -137,6 +142,39 @@ fn a_damaged_file_is_named() {
     fs::write(run.path().join("run.json"), "{").unwrap();
     let message = run.info().unwrap_err().to_string();
     assert!(message.contains("run.json: cannot read this file: EOF"), "{message}");
+}
+
+/// A done-file that vouched for nothing left damaged runs for good.
+#[test]
+fn damage_shows_and_is_no_completion() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = Store::open(folder.path()).unwrap().run(&id(3));
+    let damaged = |folder: &Path, what: &str| State::Damaged { folder: folder.to_owned(), what: what.to_owned() };
+    assert_eq!(run.state().unwrap(), State::Unfinished);
+    finish_run(&run);
+    let evaluation = run.evaluation(&key().id().unwrap());
+    evaluation.write(&key(), &episodes(), &timing()).unwrap();
+    assert_eq!((run.state().unwrap(), evaluation.state().unwrap()), (State::Complete, State::Complete));
+    fs::remove_file(evaluation.path().join("episodes.csv")).unwrap();
+    assert_eq!(evaluation.state().unwrap(), damaged(evaluation.path(), "episodes.csv is missing"));
+    assert!(run.is_complete() && !evaluation.is_complete() && evaluation.has_finished());
+    fs::write(run.policy_path(), b"weigh").unwrap();
+    assert_eq!(run.state().unwrap(), damaged(run.path(), "policy.safetensors is not what was written"));
+    assert!(!run.is_complete() && run.has_finished());
+    finish_run(&run);
+    assert_eq!(run.state().unwrap(), State::Complete);
+}
+
+#[test]
+fn the_done_file_can_be_checked_with_sha256sum() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = Store::open(folder.path()).unwrap().run(&id(3));
+    finish_run(&run);
+    let done = text(run.path().join("done"));
+    let lines: Vec<_> = done.lines().map(|line| line.split_once("  ").unwrap()).collect();
+    let names: Vec<_> = lines.iter().map(|(_, name)| *name).collect();
+    assert_eq!(names, ["metrics.csv", "policy.safetensors", "run.json", "spec.toml"]);
+    assert_eq!(lines[1].0, "9a129038d9a00aed0cf6a7ea059ca50a813449061ab87848cf1a13eafdf33b2c");
 }
 
 #[test]
@@ -176,6 +214,15 @@ fn the_index_is_replaced_by_the_same_grid_only() {
     let message = store.write_index(&Index { name: "other".into(), ..first }).unwrap_err().to_string();
     assert!(message.contains("holds the grid `table1`; give another folder for `other`"), "{message}");
     assert_eq!(Index::load(folder.path()).unwrap(), larger);
+}
+
+#[test]
+fn a_folder_that_does_not_exist_is_said_not_to() {
+    let folder = tempfile::tempdir().unwrap();
+    let missing = folder.path().join("missing");
+    let error = Index::load(&missing).unwrap_err();
+    assert!(matches!(error, StoreError::NoFolder { .. }), "{error}");
+    assert_eq!(error.to_string(), format!("there is no folder `{}`", missing.display()));
 }
 
 #[test]

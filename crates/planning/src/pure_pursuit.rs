@@ -2,7 +2,8 @@
 
 use std::f64::consts::PI;
 
-use headway_sim::{Command, FieldError, Point, Pose, positive, within};
+use headway_sim::check::{positive, within};
+use headway_sim::{Command, FieldError, Point, Pose};
 use serde::{Deserialize, Serialize};
 
 use crate::{Controller, Route, Sensed};

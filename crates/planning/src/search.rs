@@ -106,7 +106,7 @@ fn straighten(map: &GridMap, points: &[Point]) -> Vec<Point> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use headway_sim::{Footprint, Obstacle, Room, Shape, World, WorldSpec, stream};
+    use headway_sim::{Footprint, Obstacle, Room, Shape, World, WorldSpec};
 
     /// Dijkstra without a heuristic or a heap: the length of the shortest way in cells.
     fn slow_length(map: &GridMap, from: Cell, to: Cell) -> Option<f64> {
@@ -139,7 +139,7 @@ mod tests {
         let vehicle = Footprint::new(&Shape::Disc { radius: 0.25 }).unwrap();
         let source = WorldSpec::default().build(&vehicle).unwrap();
         for k in 0..5 {
-            let scenario = source.sample(&mut stream(2, "layout", k)).unwrap();
+            let scenario = source.scenario(2, k).unwrap();
             let map = GridMap::from_world(&scenario.world, 0.25, 0.3);
             let from = map.cell_of(&scenario.start.translation.vector.into());
             let to = map.cell_of(&scenario.goal);

@@ -13,8 +13,9 @@ fn act(c: &mut Criterion) {
         weight: (0..pair[0] * pair[1]).map(|k| ((k % 17) as f32 - 8.0) * 0.02).collect(),
         bias: vec![0.1; pair[1]],
     });
+    let (vehicle, lidar) = (header.vehicle.clone(), header.lidar.clone());
     let policy = Policy::new(header, layers.collect()).expect("sizes fit");
-    let mut driver = Driver::new(Arc::new(policy)).expect("valid");
+    let mut driver = Driver::new(Arc::new(policy), &vehicle, &lidar).expect("the same robot");
     let obs = vec![0.3; sizes[0]];
     c.bench_function("policy_act", |b| b.iter(|| driver.act(black_box(&obs))));
 }

@@ -4,12 +4,18 @@ use std::sync::Arc;
 
 use headway_env::{ActionSet, Control, Encoder};
 use headway_planning::{Controller, Sensed};
-use headway_sim::Command;
+use headway_sensors::LidarSpec;
+use headway_sim::{Command, VehicleSpec};
 
 use crate::mlp::argmax;
 use crate::{Policy, PolicyError};
 
 /// A policy as a [`Controller`]: takes the action of greatest value.
+///
+/// Under [`Control::SpeedOnly`] it steers along [`Sensed::route`], as in training. Where there is none, it steers
+/// along the straight line to the goal, whatever stands there: whoever drives by such a policy plans the route.
+///
+/// [`Controller::command`] panics if a scan has another number of ranges than the lidar has beams.
 #[derive(Debug, Clone)]
 pub struct Driver {
     policy: Arc<Policy>,
@@ -20,17 +26,21 @@ pub struct Driver {
 }
 
 impl Driver {
-    /// A driver for the robot that the policy was trained on; see [`Policy::check`] for another one.
+    /// A driver for a robot: the one that the policy was trained on; see [`Policy::check`].
     ///
     /// # Errors
-    /// If the policy's header is not allowed.
-    pub fn new(policy: Arc<Policy>) -> Result<Self, PolicyError> {
+    /// [`PolicyError::Mismatch`] lists every number in which the robot is another one.
+    pub fn new(policy: Arc<Policy>, vehicle: &VehicleSpec, lidar: &LidarSpec) -> Result<Self, PolicyError> {
+        policy.check(vehicle, lidar)?;
         let (encoder, actions) = policy.header().build()?;
         let obs = vec![0.0; encoder.obs_dim()];
         Ok(Self { policy, encoder, actions, obs, buffers: Default::default() })
     }
 
-    /// The action of greatest value for an observation, the first of several.
+    /// The action of greatest value for an observation, shape `[obs_dim]`; the first of several.
+    ///
+    /// # Panics
+    /// If the observation has another length.
     #[must_use]
     pub fn act(&mut self, obs: &[f32]) -> u32 {
         argmax(self.policy.values(obs, &mut self.buffers))
@@ -40,6 +50,10 @@ impl Driver {
 impl Controller for Driver {
     fn reset(&mut self) {}
 
+    /// What the action of greatest value asks for.
+    ///
+    /// # Panics
+    /// If `sensed.scan` does not hold one range per beam of the lidar that the driver was made for.
     fn command(&mut self, sensed: &Sensed<'_>) -> Command {
         let mut obs = std::mem::take(&mut self.obs);
         let side = self.encoder.encode(sensed, &mut obs);

@@ -8,6 +8,14 @@ pub enum PolicyError {
     /// A number in the header outside what its field allows.
     #[error("the policy's header: {0}")]
     Header(#[from] FieldError),
+    /// A file that holds no policy.
+    #[error("{path}: {source}")]
+    File {
+        /// The file.
+        path: String,
+        /// What is not as it must be.
+        source: Box<PolicyError>,
+    },
     /// A file that could not be read or written.
     #[error("{path}: {source}")]
     Io {
@@ -24,10 +32,10 @@ pub enum PolicyError {
     Shape {
         /// Which part of the network.
         what: String,
-        /// What it is.
-        found: usize,
+        /// What it is: a count, or the shape of a tensor.
+        found: String,
         /// What it must be.
-        expected: usize,
+        expected: String,
     },
     /// A weight that is not a finite number.
     #[error("layer {layer} holds a weight that is not a finite number")]

@@ -8,7 +8,7 @@ use headway_sim::VehicleSpec;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::PolicyError;
+use crate::{Normalisation, PolicyError};
 
 /// All that driving needs besides the weights.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -24,6 +24,8 @@ pub struct Header {
     pub actions: ActionSpec,
     /// What its inputs mean.
     pub observation: ObservationSpec,
+    /// By which constants its inputs are scaled.
+    pub normalisation: Normalisation,
     /// Where it comes from: run, seed and the like. Not used for driving.
     pub provenance: BTreeMap<String, String>,
 }
@@ -35,16 +37,20 @@ impl Header {
     /// Numbers in an observation: inputs of the network.
     ///
     /// # Errors
-    /// If the header's lidar or vehicle is not allowed.
+    /// If the header is not allowed.
     pub fn obs_dim(&self) -> Result<usize, PolicyError> {
         Ok(self.build()?.0.obs_dim())
     }
 
     /// The encoder of observations and the meaning of actions.
     pub(crate) fn build(&self) -> Result<(Encoder, ActionSet), PolicyError> {
+        self.normalisation.check().map_err(|e| e.under("normalisation"))?;
         let vehicle = self.vehicle.build().map_err(|e| e.under("vehicle"))?;
         let lidar = self.lidar.build().map_err(|e| e.under("lidar"))?;
-        let encoder = Encoder::new(self.observation, &lidar, &self.vehicle, vehicle.footprint());
+        if let Control::SpeedOnly(route) = &self.control {
+            route.check().map_err(|e| e.under("control"))?;
+        }
+        let encoder = Encoder::new(self.observation, &lidar, &vehicle);
         let actions = self.actions.build(&self.vehicle, &self.control, self.observation.mirror);
         Ok((encoder, actions.map_err(|e| e.under("actions"))?))
     }

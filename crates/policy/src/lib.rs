@@ -1,7 +1,7 @@
 //! The policy file and its runtime: what robots, simulators and other programs load to drive.
 //!
 //! A policy file is one safetensors file. Its tensors are the network's weights; its metadata hold all
-//! that driving needs besides: vehicle, lidar, observation, actions ([`Header`]). A [`Policy`] compiles
+//! that driving needs besides: vehicle, lidar, observation, normalisation, actions ([`Header`]). A [`Policy`] compiles
 //! without any learning framework; a [`Driver`] is a [`headway_planning::Controller`] made from it.
 //!
 //! # Example
@@ -27,13 +27,16 @@
 //! # Ok::<(), headway_policy::PolicyError>(())
 //! ```
 
+mod atomic;
 mod driver;
 mod error;
 mod file;
 mod header;
 mod mlp;
+mod normalisation;
 
 pub use driver::Driver;
 pub use error::PolicyError;
 pub use header::Header;
 pub use mlp::{Layer, Policy};
+pub use normalisation::Normalisation;

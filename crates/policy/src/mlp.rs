@@ -27,17 +27,20 @@ impl Policy {
     /// A policy from its parts, checked to fit each other.
     ///
     /// # Errors
-    /// If the header is not allowed, the layers do not fit the header or each other, or a weight is not
-    /// finite.
+    /// If the header is not allowed, there is no layer, the layers do not fit the header or each other, or a
+    /// weight is not finite.
     pub fn new(header: Header, layers: Vec<Layer>) -> Result<Self, PolicyError> {
         let (encoder, actions) = header.build()?;
+        if layers.is_empty() {
+            return Err(none("layers".to_owned()));
+        }
         let mut n_inputs = encoder.obs_dim();
         let mut columns = Vec::with_capacity(layers.len());
         for (index, Layer { weight, bias }) in layers.iter().enumerate() {
-            check(format!("weights of layer {index}"), weight.len(), n_inputs * bias.len())?;
             if bias.is_empty() {
-                return Err(PolicyError::Shape { what: format!("outputs of layer {index}"), found: 0, expected: 1 });
+                return Err(none(format!("outputs of layer {index}")));
             }
+            check(format!("weights of layer {index}"), weight.len(), n_inputs * bias.len())?;
             if !weight.iter().chain(bias).all(|x| x.is_finite()) {
                 return Err(PolicyError::NotFinite { layer: index });
             }
@@ -108,7 +111,14 @@ pub(crate) fn argmax(values: &[f32]) -> u32 {
 }
 
 fn check(what: String, found: usize, expected: usize) -> Result<(), PolicyError> {
-    if found == expected { Ok(()) } else { Err(PolicyError::Shape { what, found, expected }) }
+    if found == expected {
+        return Ok(());
+    }
+    Err(PolicyError::Shape { what, found: found.to_string(), expected: expected.to_string() })
+}
+
+fn none(what: String) -> PolicyError {
+    PolicyError::Shape { what, found: "0".to_owned(), expected: "1 or more".to_owned() }
 }
 
 #[cfg(test)]
@@ -151,13 +161,27 @@ mod tests {
         let refused = |layers| Policy::new(Header::default(), layers).unwrap_err().to_string();
         assert_eq!(refused(vec![layer(41, 12)]), "weights of layer 0: found 492, must be 504");
         assert_eq!(refused(vec![layer(42, 11)]), "outputs of the last layer: found 11, must be 12");
+        assert_eq!(
+            refused(vec![layer(42, 0), layer(0, 12)]),
+            "outputs of layer 0: found 0, must be 1 or more",
+            "a hidden layer of zero width"
+        );
         let mut broken = layer(42, 12);
         broken.weight[7] = f32::NAN;
         assert_eq!(refused(vec![broken]), "layer 0 holds a weight that is not a finite number");
         let mut header = Header::default();
         header.lidar.n_beams = 0;
+        let message = Policy::new(header, vec![layer(42, 12)]).unwrap_err().to_string();
+        assert!(message.starts_with("the policy's header: lidar.n_beams = 0: must be "), "{message}");
+    }
+
+    /// With as many inputs as actions, no layer at all used to pass as the identity.
+    #[test]
+    fn a_network_has_a_layer() {
+        let mut header = Header::default();
+        header.lidar.n_beams = 6;
         let message = Policy::new(header, vec![]).unwrap_err().to_string();
-        assert_eq!(message, "the policy's header: lidar.n_beams = 0: must be 1 or more");
+        assert_eq!(message, "layers: found 0, must be 1 or more");
     }
 
     #[test]

@@ -27,7 +27,7 @@ use crate::{Dqn, Epsilon, LearningRate, LossFn, RlError, TargetRule};
 pub struct DqnSpec {
     /// The target rule: `"dqn"` or `"double_dqn"`.
     pub target: TargetRule,
-    /// The widths of the hidden layers; none makes Q linear in the observation.
+    /// The widths of the hidden layers, at most 16 of them, each 1 to 65 536; none makes Q linear in the observation.
     pub hidden: Vec<usize>,
     /// The discount per env step, in `[0, 1]`.
     pub gamma: f64,
@@ -41,7 +41,7 @@ pub struct DqnSpec {
     pub loss: LossFn,
     /// What happens to large gradients.
     pub grad_clip: GradientClip,
-    /// The number of transitions per gradient step, drawn with replacement; at least 1.
+    /// The number of transitions per gradient step, drawn with replacement; 1 to 1 000 000.
     pub batch_size: usize,
     /// The number of env steps per gradient step; at least 1. Half of `n_envs` makes two gradient steps due per batch.
     pub update_every: u64,
@@ -175,7 +175,8 @@ impl DqnSpec {
     /// # Errors
     /// The first field out of its range, with its value and what is allowed.
     pub fn validate(&self) -> Result<(), RlError> {
-        check("hidden", &self.hidden, !self.hidden.contains(&0), "widths of at least 1")?;
+        let widths = self.hidden.len() <= 16 && self.hidden.iter().all(|width| (1..=65_536).contains(width));
+        check("hidden", &self.hidden, widths, "at most 16 widths, each 1..=65_536")?;
         check("gamma", self.gamma, (0.0..=1.0).contains(&self.gamma), "[0, 1]")?;
         check("n_step", self.n_step, (1..=1000).contains(&self.n_step), "1..=1000")?;
         check("learning_rate.start", self.learning_rate.start, positive(self.learning_rate.start), "> 0")?;
@@ -183,7 +184,7 @@ impl DqnSpec {
         check("learning_rate.end", end, end == 0.0 || positive(end), ">= 0")?;
         self.adam.validate()?;
         self.validate_kinds()?;
-        check("batch_size", self.batch_size, self.batch_size >= 1, "at least 1")?;
+        check("batch_size", self.batch_size, (1..=1_000_000).contains(&self.batch_size), "1..=1_000_000")?;
         check("update_every", self.update_every, self.update_every >= 1, "at least 1")?;
         let fits = self.replay_capacity >= self.batch_size && u32::try_from(self.replay_capacity).is_ok();
         check("replay_capacity", self.replay_capacity, fits, "batch_size..2^32")?;
@@ -263,7 +264,13 @@ mod tests {
     #[test]
     fn every_field_is_checked_and_named() {
         for (text, message) in [
-            ("hidden = [64, 0]", "agent.hidden = [64, 0]: allowed is widths of at least 1"),
+            ("hidden = [64, 0]", "agent.hidden = [64, 0]: allowed is at most 16 widths, each 1..=65_536"),
+            ("hidden = [65537]", "agent.hidden = [65537]: allowed is at most 16 widths, each 1..=65_536"),
+            (
+                "hidden = [1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]",
+                "agent.hidden = [1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]: allowed is at most 16 widths, each \
+                 1..=65_536",
+            ),
             ("gamma = -0.1", "agent.gamma = -0.1: allowed is [0, 1]"),
             ("n_step = 0", "agent.n_step = 0: allowed is 1..=1000"),
             ("learning_rate = { start = 0.0, end = 0.0 }", "agent.learning_rate.start = 0.0: allowed is > 0"),
@@ -273,7 +280,8 @@ mod tests {
             ("adam = { eps = 0.0 }", "agent.adam.eps = 0.0: allowed is > 0"),
             ("loss = { type = \"huber\", delta = 0.0 }", "agent.loss.delta = 0.0: allowed is > 0"),
             ("grad_clip = { type = \"norm\", max = inf }", "agent.grad_clip.max = inf: allowed is > 0"),
-            ("batch_size = 0", "agent.batch_size = 0: allowed is at least 1"),
+            ("batch_size = 0", "agent.batch_size = 0: allowed is 1..=1_000_000"),
+            ("batch_size = 1_000_001", "agent.batch_size = 1000001: allowed is 1..=1_000_000"),
             ("update_every = 0", "agent.update_every = 0: allowed is at least 1"),
             ("replay_capacity = 63", "agent.replay_capacity = 63: allowed is batch_size..2^32"),
             ("target_network = { type = \"soft\", tau = 0.0 }", "agent.target_network.tau = 0.0: allowed is (0, 1]"),

@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use headway_sim::{FieldError, Pose, World, fraction, non_negative, positive, within};
+use headway_sim::check::{fraction, non_negative, positive, within};
+use headway_sim::{FieldError, Pose, World};
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
@@ -204,7 +205,7 @@ mod tests {
             let spec = LidarSpec { noise, dropout, min_range: 0.1, ..LidarSpec::default() };
             let vehicle = VehicleSpec::default().build().unwrap();
             let source = WorldSpec::default().build(vehicle.footprint()).unwrap();
-            let scenario = source.sample(&mut stream(seed, "layout", 0)).unwrap();
+            let scenario = source.scenario(seed, 0).unwrap();
             let ranges = scan(&spec.build().unwrap(), &scenario.world, &scenario.start);
             prop_assert!(ranges.iter().all(|r| (0.1..=5.0).contains(r)));
         }

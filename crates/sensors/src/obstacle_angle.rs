@@ -2,7 +2,8 @@
 
 use std::f64::consts::PI;
 
-use headway_sim::{FieldError, Outline, Point, Pose, Proximity, Surface, Twist, World, positive, wrap};
+use headway_sim::check::positive;
+use headway_sim::{FieldError, Outline, Point, Pose, Proximity, Surface, Twist, World, wrap};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 

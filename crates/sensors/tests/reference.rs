@@ -21,7 +21,7 @@ fn largest_error(lidar: &Lidar, room: &RoomSpec, n_scans: u64) -> (f64, usize) {
     let mut worst = (0.0_f64, 0);
     for index in 0..n_scans {
         let rng = &mut stream(5, "layout", index);
-        let scenario = source.sample(rng).unwrap();
+        let scenario = source.scenario(5, index).unwrap();
         lidar.scan(&scenario.world, &scenario.start, rng, &mut ranges);
         for (range, angle) in ranges.iter().zip(lidar.beam_angles()) {
             let error = |turn: f64| (f64::from(*range) - exact(lidar, &scenario, &scenario.start, angle + turn)).abs();
@@ -57,7 +57,7 @@ fn a_range_limit_hides_only_what_lies_beyond() {
     let source = source.build(vehicle.footprint()).unwrap();
     let (mut near, mut far) = ([0.0; 360], [0.0; 360]);
     for index in 0..50 {
-        let scenario = source.sample(&mut stream(6, "layout", index)).unwrap();
+        let scenario = source.scenario(6, index).unwrap();
         lidar(2.0).scan(&scenario.world, &scenario.start, &mut stream(0, "noise", 0), &mut near);
         lidar(30.0).scan(&scenario.world, &scenario.start, &mut stream(0, "noise", 0), &mut far);
         for (a, b) in near.iter().zip(&far) {

@@ -1,13 +1,13 @@
 //! Time of one control period of a vehicle among obstacles, and of one scenario.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use headway_sim::{Command, VehicleSpec, VehicleState, WorldSpec, stream};
+use headway_sim::{Command, VehicleSpec, VehicleState, WorldSpec};
 use std::hint::black_box;
 
 fn step(c: &mut Criterion) {
     let vehicle = VehicleSpec::default().build().expect("the default is valid");
     let source = WorldSpec::default().build(vehicle.footprint()).expect("the default is valid");
-    let scenario = source.sample(&mut stream(0, "layout", 0)).expect("the default has room");
+    let scenario = source.scenario(0, 0).expect("the default has room");
     c.bench_function("vehicle_step", |b| {
         let mut state = VehicleState::at_rest(scenario.start);
         b.iter(|| {
@@ -20,8 +20,11 @@ fn step(c: &mut Criterion) {
         });
     });
     c.bench_function("scenario/10x15", |b| {
-        let mut rng = stream(1, "layout", 0);
-        b.iter(|| source.sample(&mut rng).expect("the default has room"));
+        let mut index = 0;
+        b.iter(|| {
+            index += 1;
+            source.scenario(1, index).expect("the default has room")
+        });
     });
 }
 

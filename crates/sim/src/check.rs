@@ -1,4 +1,10 @@
 //! Checks of plain numbers, made once, when a spec is built.
+//!
+//! ```
+//! use headway_sim::check::within;
+//! let refusal = within("dropout", 1.5, 0.0, 1.0).unwrap_err().under("lidar");
+//! assert_eq!(refusal.to_string(), "lidar.dropout = 1.5: must be from 0 to 1");
+//! ```
 
 /// A field whose value is not allowed: which one, what it is, and what would do.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -18,10 +18,7 @@ impl Footprint {
     /// Names what is wrong with the shape; a polygon must hold the origin strictly inside.
     pub fn new(shape: &Shape) -> Result<Self, FieldError> {
         shape.check()?;
-        let polygon = match shape {
-            Shape::Disc { .. } => None,
-            _ => Some(Polygon::new(shape.vertices())),
-        };
+        let polygon = shape.polygon();
         if let Some(polygon) = &polygon
             && polygon.signed_distance(&Point::origin()) >= 0.0
         {
@@ -36,13 +33,9 @@ impl Footprint {
         Self { shape: Shape::Disc { radius }, circumradius: radius, polygon: None }
     }
 
-    /// An outline that need not hold its origin: an obstacle looked at as a footprint.
+    /// The outline of a checked shape that need not hold its origin: an obstacle looked at as a footprint.
     pub(crate) fn of_obstacle(shape: &Shape) -> Self {
-        Self {
-            shape: shape.clone(),
-            circumradius: shape.circumradius(),
-            polygon: (!matches!(shape, Shape::Disc { .. })).then(|| Polygon::new(shape.vertices())),
-        }
+        Self { shape: shape.clone(), circumradius: shape.circumradius(), polygon: shape.polygon() }
     }
 
     /// The shape it was built from.

@@ -1,8 +1,11 @@
 //! Closed forms for discs and convex polygons: distances and ray casts.
 
+mod hull;
+
 use nalgebra::Vector2;
 
 use crate::{Point, Pose};
+use hull::Hull;
 
 /// A convex polygon with its edges' outward normals.
 #[derive(Debug, Clone)]
@@ -11,17 +14,19 @@ pub(crate) struct Polygon {
     normals: Vec<Vector2<f64>>,
     center: Point,
     radius: f64,
+    hull: Hull,
 }
 
 impl Polygon {
-    /// From strictly convex corners, counter-clockwise.
+    /// From a checked shape's corners: strictly convex, counter-clockwise.
     pub(crate) fn new(vertices: Vec<Point>) -> Self {
         let next = vertices.iter().cycle().skip(1);
         let normals = vertices.iter().zip(next).map(|(a, b)| Vector2::new(b.y - a.y, a.x - b.x).normalize()).collect();
         let sum: Vector2<f64> = vertices.iter().map(|v| v.coords).sum();
         let center = Point::from(sum / vertices.len() as f64);
         let radius = vertices.iter().map(|v| (v - center).norm()).fold(0.0, f64::max);
-        Self { vertices, normals, center, radius }
+        let hull = Hull::new(&vertices);
+        Self { vertices, normals, center, radius, hull }
     }
 
     /// The same polygon moved to `pose`.
@@ -31,6 +36,7 @@ impl Polygon {
             normals: self.normals.iter().map(|n| pose.rotation * n).collect(),
             center: pose * self.center,
             radius: self.radius,
+            hull: self.hull.at(pose),
         }
     }
 
@@ -46,6 +52,11 @@ impl Polygon {
     /// The radius of that circle, metres.
     pub(crate) fn radius(&self) -> f64 {
         self.radius
+    }
+
+    /// The same polygon as parry sees it.
+    pub(crate) fn hull(&self) -> &Hull {
+        &self.hull
     }
 
     /// Distance from a point to the outline, negative inside.

@@ -22,7 +22,7 @@
 //! ```
 
 mod angle;
-mod check;
+pub mod check;
 mod error;
 mod footprint;
 mod geometry;
@@ -35,7 +35,7 @@ mod vehicle;
 mod world;
 
 pub use angle::wrap;
-pub use check::{FieldError, at_least, fraction, non_negative, positive, within};
+pub use check::FieldError;
 pub use error::SimError;
 pub use footprint::Footprint;
 pub use motion::arc;
@@ -44,6 +44,10 @@ pub use scenario::{GoalRule, Interval, Kinds, Quantity, RoomSpec, Scenario, Weig
 pub use shape::{Obstacle, Room, Shape};
 pub use vehicle::{Command, Motion, Vehicle, VehicleSpec, VehicleState};
 pub use world::{Outline, Proximity, Surface, World};
+
+// Points, poses and random streams in our signatures are theirs: whoever calls us needs the same versions.
+pub use nalgebra;
+pub use rand;
 
 /// A position and yaw in the plane: translation in metres, rotation in radians.
 pub type Pose = nalgebra::Isometry2<f64>;

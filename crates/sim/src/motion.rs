@@ -1,6 +1,6 @@
 //! Exact motion at constant speed and yaw rate.
 
-use nalgebra::Vector2;
+use nalgebra::{UnitComplex, Vector2};
 
 use crate::Pose;
 
@@ -20,11 +20,11 @@ use crate::Pose;
 #[must_use]
 pub fn arc(pose: &Pose, speed: f64, yaw_rate: f64, time: f64) -> Pose {
     let half = yaw_rate * time / 2.0;
-    let sinc = if half.abs() < 1e-4 { 1.0 - half * half / 6.0 } else { half.sin() / half };
-    let chord = speed * time * sinc;
-    let yaw = pose.rotation.angle();
-    let (sin, cos) = (yaw + half).sin_cos();
-    Pose::new(pose.translation.vector + Vector2::new(cos, sin) * chord, yaw + 2.0 * half)
+    let (sin, cos) = half.sin_cos();
+    let sinc = if half.abs() < 1e-4 { 1.0 - half * half / 6.0 } else { sin / half };
+    let chord = pose.rotation * Vector2::new(cos, sin) * (speed * time * sinc);
+    let turn = UnitComplex::from_cos_sin_unchecked(cos * cos - sin * sin, 2.0 * sin * cos);
+    Pose::from_parts((pose.translation.vector + chord).into(), pose.rotation * turn)
 }
 
 #[cfg(test)]

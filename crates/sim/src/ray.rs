@@ -7,7 +7,8 @@ use crate::{Point, Pose, World, wrap};
 
 impl World {
     /// The distance from `origin` along the unit vector `direction` to the first surface, exact, at
-    /// most `max_range`; 0 from within an obstacle or outside the room.
+    /// most `max_range`; 0 from within an obstacle or outside the room, and if `max_range` is negative or
+    /// not a number. A point on a wall is inside the room.
     ///
     /// ```
     /// use headway_sim::{Point, Room, World};
@@ -19,6 +20,9 @@ impl World {
     #[must_use]
     pub fn cast_ray(&self, origin: &Point, direction: &Vector2<f64>, max_range: f64) -> f64 {
         let room = self.room();
+        if !room.contains(origin) {
+            return 0.0;
+        }
         let along = |position: f64, extent: f64, rate: f64| {
             if rate > 0.0 {
                 (extent - position) / rate
@@ -30,11 +34,13 @@ impl World {
         };
         let wall = along(origin.x, room.width, direction.x).min(along(origin.y, room.height, direction.y));
         let solids = self.solids().iter().filter_map(|solid| solid.cast(origin, direction));
-        solids.fold(wall.clamp(0.0, max_range), f64::min)
+        // `max` and `min` pass over what is not a number.
+        solids.fold(wall.min(max_range.max(0.0)), f64::min)
     }
 
     /// The distance from a pose's origin to the nearest surface within `half_angle` to both sides of
-    /// its heading, metres, as if nothing were hidden; exact, with the half-angle in [0, pi/2].
+    /// its heading, metres, as if nothing were hidden; exact, with the half-angle in [0, pi/2]. 0 from
+    /// within an obstacle or outside the room.
     ///
     /// The nearest point of a convex thing within a convex sector is its nearest point of all, if that
     /// lies in the sector, or else lies on one of the sector's two sides.

@@ -1,21 +1,33 @@
 //! Seeded scenarios: a world, a start and a goal that a path joins.
 
 mod generate;
+mod goal_rule;
+mod lattice;
 mod path_check;
+mod quantity;
+mod room_spec;
+mod source;
 mod spec;
 
 use nalgebra::distance;
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
-use crate::{Footprint, Point, Pose, SimError, World};
+use crate::{FieldError, Footprint, Point, Pose, SimError, World};
 use path_check::PathCheck;
 
-pub use spec::{Interval, Kinds, Quantity, RoomSpec, WeightedWorld, WorldSource, WorldSpec};
+pub use goal_rule::GoalRule;
+pub use quantity::{Interval, Kinds, Quantity};
+pub use room_spec::RoomSpec;
+pub use source::WorldSource;
+pub use spec::{WeightedWorld, WorldSpec};
 
-/// A world with a start and a goal that are joined by a path for the footprint it was made for.
+/// A world with a start and a goal.
+///
+/// In those that a [`WorldSource`] makes, a path joins the two for the footprint they were made for.
+/// Deserialising checks what [`Scenario::new`] checks.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(try_from = "ScenarioData")]
 pub struct Scenario {
     /// The room and its obstacles.
     pub world: World,
@@ -27,55 +39,86 @@ pub struct Scenario {
     pub goal_rule: GoalRule,
 }
 
-/// What a start and a goal must satisfy.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+/// A scenario before it is checked.
+#[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct GoalRule {
-    /// Least straight distance from start to goal, metres.
-    pub distance: f64,
-    /// Least distance from the footprint's circumscribed circle to any surface, at both ends, metres.
-    pub clearance: f64,
+struct ScenarioData {
+    world: World,
+    start: Pose,
+    goal: Point,
+    goal_rule: GoalRule,
 }
 
-impl GoalRule {
-    /// How many places are tried before one gives up.
-    const TRIES: usize = 200;
-
-    /// A place for the footprint with the required clearance, uniform over the room, or `None` after
-    /// [`Self::TRIES`] tries.
-    fn place(&self, world: &World, footprint: &Footprint, rng: &mut impl RngExt) -> Option<Point> {
-        let margin = footprint.circumradius() + self.clearance;
-        let room = world.room();
-        (0..Self::TRIES)
-            .map(|_| Point::new(rng.random_range(0.0..room.width), rng.random_range(0.0..room.height)))
-            .find(|point| world.distance(point) >= margin)
+impl TryFrom<ScenarioData> for Scenario {
+    type Error = SimError;
+    fn try_from(data: ScenarioData) -> Result<Self, SimError> {
+        Self::new(data.world, data.start, data.goal, data.goal_rule)
     }
 }
 
 impl Scenario {
-    /// A further goal for a vehicle that is at `from`: joined to the start, and so to wherever the
-    /// vehicle has driven to, and at least the rule's distance away. Where the room has no such place in
-    /// view of `from` (a small room, a vehicle in its middle), the farthest one drawn.
+    /// A scenario by hand.
     ///
     /// # Errors
-    /// [`SimError::NoRoute`] if no drawn place is joined to the start.
-    pub fn new_goal(&self, from: &Point, footprint: &Footprint, rng: &mut impl RngExt) -> Result<Point, SimError> {
-        const DRAWS: usize = 50;
-        let rule = &self.goal_rule;
-        let mut check = PathCheck::new(&self.world, self.start.translation.vector.into(), footprint, rule);
-        let mut farthest: Option<Point> = None;
-        for _ in 0..DRAWS {
-            let Some(goal) = rule.place(&self.world, footprint, rng) else {
-                continue;
-            };
-            if farthest.is_some_and(|best| distance(&best, from) >= distance(&goal, from)) || !check.joins(&goal) {
-                continue;
-            }
-            farthest = Some(goal);
-            if distance(&goal, from) >= rule.distance {
-                break;
+    /// If the rule is not allowed in this room, or the start or the goal is not a point inside the room and
+    /// outside of all obstacles. Whether a path joins them depends on who drives, and is not checked.
+    ///
+    /// ```
+    /// use headway_sim::{GoalRule, Point, Pose, Room, Scenario, World};
+    /// let world = World::new(Room { width: 10.0, height: 15.0 }, vec![])?;
+    /// let rule = GoalRule { distance: 4.0, clearance: 0.2 };
+    /// let scenario = Scenario::new(world.clone(), Pose::translation(2.0, 5.0), Point::new(8.0, 5.0), rule)?;
+    /// assert_eq!(scenario.goal.x, 8.0);
+    /// let error = Scenario::new(world, Pose::translation(2.0, 5.0), Point::new(12.0, 5.0), rule).unwrap_err();
+    /// assert_eq!(error.to_string(), "goal = (12, 5): must be inside the room and outside of all obstacles");
+    /// # Ok::<(), headway_sim::SimError>(())
+    /// ```
+    pub fn new(world: World, start: Pose, goal: Point, goal_rule: GoalRule) -> Result<Self, SimError> {
+        goal_rule.check(&world.room()).map_err(|e| e.under("goal_rule"))?;
+        for (field, point) in [("start", start.translation.vector.into()), ("goal", goal)] {
+            let room = world.distance(&point);
+            if room.is_nan() || room <= 0.0 {
+                let value = format!("({}, {})", point.x, point.y);
+                return Err(FieldError::new(field, value, "inside the room and outside of all obstacles").into());
             }
         }
-        farthest.ok_or_else(|| spec::no_route(&self.world.room(), rule, footprint, DRAWS))
+        let rotation = start.rotation.into_inner();
+        let off = (rotation.norm() - 1.0).abs();
+        if off.is_nan() || off > 1e-6 {
+            return Err(FieldError::new("start.rotation", rotation, "a complex number of length 1").into());
+        }
+        Ok(Self { world, start, goal, goal_rule })
+    }
+
+    /// A further goal for a vehicle that is at `from`: joined to the start, and so to wherever the
+    /// vehicle has driven to.
+    ///
+    /// The first of 50 draws that is at least the rule's distance away. Where there is none (a small room, a
+    /// vehicle in its middle), the farthest that is at least half as far, of up to 200 draws. Failing that,
+    /// the start or the first goal, whichever is farther: the two are the rule's distance apart, so one of
+    /// them is at least half of it away.
+    pub fn new_goal(&self, from: &Point, footprint: &Footprint, rng: &mut impl RngExt) -> Point {
+        const DRAWS: usize = 50;
+        const MOST_DRAWS: usize = 200;
+        let rule = &self.goal_rule;
+        let start = self.start.translation.vector.into();
+        let mut check = PathCheck::new(&self.world, footprint, rule);
+        let mut farthest: Option<(f64, Point)> = None;
+        for draw in 0..MOST_DRAWS {
+            let enough = if draw < DRAWS { rule.distance } else { rule.distance / 2.0 };
+            let so_far = farthest.map_or(f64::NEG_INFINITY, |(apart, _)| apart);
+            if so_far >= enough {
+                break;
+            }
+            let better = rule.place(&self.world, footprint, rng).filter(|goal| distance(goal, from) > so_far);
+            if let Some(goal) = better.filter(|goal| check.joins(&start, goal)) {
+                farthest = Some((distance(&goal, from), goal));
+            }
+        }
+        match farthest {
+            Some((apart, goal)) if apart >= rule.distance / 2.0 => goal,
+            _ if distance(&start, from) > distance(&self.goal, from) => start,
+            _ => self.goal,
+        }
     }
 }

@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{FieldError, Point, Pose, at_least, positive};
+use crate::check::{at_least, positive, within};
+use crate::geometry::Polygon;
+use crate::{FieldError, Point, Pose};
 
 /// A closed rectangle of walls around `[0, width] x [0, height]`, metres.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -18,14 +20,25 @@ impl Room {
     /// Checks the extents.
     ///
     /// # Errors
-    /// Names an extent that is not a finite number above 0.
+    /// Names an extent that is not from a micrometre to 1000 km.
     pub fn check(&self) -> Result<(), FieldError> {
-        positive("width", self.width)?;
-        positive("height", self.height)
+        check_size("width", self.width)?;
+        check_size("height", self.height)
+    }
+
+    /// Whether a point lies between the walls or on one; no point that is not a number does.
+    pub(crate) fn contains(&self, point: &Point) -> bool {
+        (0.0..=self.width).contains(&point.x) && (0.0..=self.height).contains(&point.y)
     }
 }
 
-/// A solid convex outline in its own frame.
+/// The smallest and the largest size of a thing, metres: between them, rounding does not spoil its outline.
+const SIZES: [f64; 2] = [1e-6, 1e6];
+
+/// The least sine of the turn at a polygon's corner. Parry drops corners that turn by less than 0.17 mrad.
+const LEAST_SINE: f64 = 1e-3;
+
+/// A solid convex outline in its own frame; sizes from a micrometre to 1000 km.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Shape {
@@ -43,7 +56,8 @@ pub enum Shape {
     },
     /// A convex polygon.
     Polygon {
-        /// At least three corners `[x, y]` in metres, counter-clockwise, strictly convex.
+        /// At least three corners `[x, y]` in metres, counter-clockwise, strictly convex: the sine of the
+        /// turn at each is at least 0.001.
         vertices: Vec<[f64; 2]>,
     },
 }
@@ -77,14 +91,24 @@ impl Shape {
     /// Names the field, its value and what is allowed.
     pub fn check(&self) -> Result<(), FieldError> {
         match self {
-            Self::Disc { radius } => positive("radius", *radius),
+            Self::Disc { radius } => check_size("radius", *radius),
             Self::Box { length, width } => {
-                positive("length", *length)?;
-                positive("width", *width)
+                check_size("length", *length)?;
+                check_size("width", *width)
             }
             Self::Polygon { vertices } => check_polygon(vertices),
         }
     }
+
+    /// The checked shape as a polygon; none for a disc.
+    pub(crate) fn polygon(&self) -> Option<Polygon> {
+        (!matches!(self, Self::Disc { .. })).then(|| Polygon::new(self.vertices()))
+    }
+}
+
+fn check_size(field: &str, value: f64) -> Result<(), FieldError> {
+    positive(field, value)?;
+    within(field, value, SIZES[0], SIZES[1])
 }
 
 fn check_polygon(vertices: &[[f64; 2]]) -> Result<(), FieldError> {
@@ -94,11 +118,16 @@ fn check_polygon(vertices: &[[f64; 2]]) -> Result<(), FieldError> {
     for i in 0..n {
         let [a, b, c] = [0, 1, 2].map(|k| Point::from(vertices[(i + k) % n]));
         let (ab, bc) = (b - a, c - b);
-        let sine = ab.perp(&bc) / (ab.norm() * bc.norm());
-        if sine.is_nan() || sine < 1e-9 {
+        let refuse = |allowed: &str| {
             let place = format!("vertices.{}", (i + 1) % n);
-            let allowed = "a left turn: list the corners counter-clockwise, strictly convex and finite";
-            return Err(FieldError::new(place, format!("[{}, {}]", b.x, b.y), allowed));
+            Err(FieldError::new(place, format!("[{}, {}]", b.x, b.y), allowed))
+        };
+        let sine = ab.perp(&bc) / (ab.norm() * bc.norm());
+        if sine.is_nan() || sine < LEAST_SINE {
+            return refuse("a left turn of some size: list the corners counter-clockwise, strictly convex and finite");
+        }
+        if ab.norm() < SIZES[0] || b.coords.amax() > SIZES[1] {
+            return refuse("a micrometre or more from the corner before, and within 1000 km of the origin");
         }
         turned += ab.perp(&bc).atan2(ab.dot(&bc));
     }
@@ -153,5 +182,30 @@ mod tests {
         assert!(polygon(&star).check().is_err());
         assert!(polygon(&[[0.0, 0.0], [f64::NAN, 0.0], [0.0, 1.0]]).check().is_err());
         assert!(polygon(&square[..2]).check().is_err());
+    }
+
+    #[test]
+    fn corners_that_hardly_turn_are_refused() {
+        // Parry drops these corners, or is left with no polygon at all.
+        for sliver in [[[0.0, 0.0], [10.0, 0.0], [5.0, 1e-8]], [[0.0, 0.0], [1.0, 0.0], [0.5, 4e-4]]] {
+            assert!(polygon(&sliver).check().is_err());
+        }
+        assert!(polygon(&[[0.0, 0.0], [1e-7, 0.0], [0.0, 1e-7]]).check().is_err());
+        assert!(polygon(&[[0.0, 0.0], [1e7, 0.0], [0.0, 1e7]]).check().is_err());
+        for radius in [1e-9, 1e9] {
+            assert!(Shape::Disc { radius }.check().is_err());
+        }
+    }
+
+    #[test]
+    fn parry_keeps_all_corners_that_are_allowed() {
+        for n in [3, 60, 3000] {
+            let corner = |k| (f64::from(k) / f64::from(n) * std::f64::consts::TAU).sin_cos();
+            for scale in [1e-3, 1.0, 1e5] {
+                let shape = polygon(&(0..n).map(corner).map(|(y, x)| [scale * x, scale * y]).collect::<Vec<_>>());
+                assert!(shape.check().is_ok());
+                assert_eq!(shape.polygon().unwrap().hull().n_corners(), n as usize);
+            }
+        }
     }
 }

@@ -2,27 +2,28 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{FieldError, Footprint, Pose, Proximity, Shape, Twist, World, arc, at_least, non_negative, positive};
+use crate::check::{non_negative, positive, within};
+use crate::{FieldError, Footprint, Pose, Proximity, Shape, Twist, World, arc};
 
 /// A differential-drive vehicle (unicycle) as data: outline, limits, control period.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct VehicleSpec {
-    /// The outline, around the middle of the axle.
+    /// The outline, around the middle of the axle; no point of it farther than 100 m from there.
     pub footprint: Shape,
-    /// Highest forward speed, m/s.
+    /// Highest forward speed, m/s; up to 100.
     pub max_speed: f64,
-    /// Highest backward speed, m/s; 0 for a vehicle that does not reverse.
+    /// Highest backward speed, m/s; up to 100, 0 for a vehicle that does not reverse.
     pub max_reverse_speed: f64,
-    /// Highest yaw rate to either side, rad/s.
+    /// Highest yaw rate to either side, rad/s; up to 100.
     pub max_yaw_rate: f64,
-    /// Highest change of speed, m/s^2, speeding up and braking.
+    /// Highest change of speed, m/s^2, speeding up and braking; up to 10 000.
     pub max_acceleration: f64,
-    /// Highest change of yaw rate, rad/s^2.
+    /// Highest change of yaw rate, rad/s^2; up to 10 000.
     pub max_yaw_acceleration: f64,
-    /// Time between two commands, seconds.
+    /// Time between two commands, seconds; from 0.001 to 10.
     pub control_period: f64,
-    /// Integration steps per control period.
+    /// Integration steps per control period; from 1 to 1000.
     pub n_substeps: usize,
 }
 
@@ -48,13 +49,20 @@ impl VehicleSpec {
     /// Names the field, its value and what is allowed.
     pub fn build(&self) -> Result<Vehicle, FieldError> {
         let footprint = Footprint::new(&self.footprint).map_err(|e| e.under("footprint"))?;
-        positive("max_speed", self.max_speed)?;
+        within("footprint (its circumradius)", footprint.circumradius(), 0.0, 100.0)?;
         non_negative("max_reverse_speed", self.max_reverse_speed)?;
-        positive("max_yaw_rate", self.max_yaw_rate)?;
-        positive("max_acceleration", self.max_acceleration)?;
-        positive("max_yaw_acceleration", self.max_yaw_acceleration)?;
-        positive("control_period", self.control_period)?;
-        at_least("n_substeps", self.n_substeps, 1)?;
+        within("max_reverse_speed", self.max_reverse_speed, 0.0, 100.0)?;
+        for (field, limit, most) in [
+            ("max_speed", self.max_speed, 100.0),
+            ("max_yaw_rate", self.max_yaw_rate, 100.0),
+            ("max_acceleration", self.max_acceleration, 1e4),
+            ("max_yaw_acceleration", self.max_yaw_acceleration, 1e4),
+        ] {
+            positive(field, limit)?;
+            within(field, limit, 0.0, most)?;
+        }
+        within("control_period", self.control_period, 1e-3, 10.0)?;
+        within("n_substeps", self.n_substeps as f64, 1.0, 1000.0)?;
         Ok(Vehicle { spec: self.clone(), footprint })
     }
 }
@@ -136,7 +144,12 @@ impl Vehicle {
     /// by no more than the clearance allows (conservative advancement, Mirtich 1996), so a fast vehicle
     /// does not pass through a thin obstacle; only corners cut by less than
     /// [`Self::CONTACT_TOLERANCE`] can be missed. After a step without collision the clearance is above 0.
+    ///
+    /// A speed or yaw rate in the command that is infinite or not a number counts as 0, so that a driver
+    /// gone wrong brakes.
     pub fn step(&self, world: &World, state: &mut VehicleState, command: Command) -> Motion {
+        let finite = |number: f64| if number.is_finite() { number } else { 0.0 };
+        let command = Command { speed: finite(command.speed), yaw_rate: finite(command.yaw_rate) };
         let start = *state;
         let (mut distance, mut reach) = (0.0, 0.0);
         for _ in 0..self.spec.n_substeps {
@@ -191,7 +204,7 @@ impl Vehicle {
                 let here = arc(&pose, stretch.speed, stretch.yaw_rate, time);
                 let proximity = world.proximity(&self.footprint, &here);
                 let room = proximity.clearance();
-                if room <= 0.0 {
+                if room.is_nan() || room <= 0.0 {
                     *state = VehicleState { pose: here, twist };
                     distance += stretch.speed.abs() * time;
                     duration += time;
@@ -201,8 +214,9 @@ impl Vehicle {
                     pose = here;
                     break;
                 }
-                let free = room.max(Self::CONTACT_TOLERANCE) / speed;
-                time = if free < stretch.time - time { time + free } else { stretch.time };
+                let next = time + room.max(Self::CONTACT_TOLERANCE) / speed;
+                // A step lost in rounding would be made for ever.
+                time = if next > time && next < stretch.time { next } else { stretch.time };
             }
             distance += stretch.speed.abs() * stretch.time;
             duration += stretch.time;
@@ -213,4 +227,23 @@ impl Vehicle {
 
 fn approach(value: f64, target: f64, most: f64) -> f64 {
     value + (target - value).clamp(-most, most)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Room;
+
+    #[test]
+    fn a_period_ends_even_if_time_does_not_advance() {
+        // The corners' speed overflows, so that advancing by a millimetre takes no time: this never came back.
+        let world = World::new(Room { width: 10.0, height: 10.0 }, vec![]).unwrap();
+        let footprint = Footprint::new(&Shape::Box { length: 9.0, width: 1.0 }).unwrap();
+        let yaw_rate = 0.8e308;
+        let spec = VehicleSpec { max_yaw_rate: yaw_rate, ..VehicleSpec::default() };
+        let mut state = VehicleState::at_rest(Pose::translation(5.0, 5.0));
+        state.twist.z = yaw_rate;
+        let motion = Vehicle { spec, footprint }.step(&world, &mut state, Command { speed: 0.0, yaw_rate });
+        assert_eq!(motion.duration, 0.2);
+    }
 }

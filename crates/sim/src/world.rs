@@ -1,12 +1,17 @@
 //! What stands where, and how near it is.
 
-use parry2d::query;
-use parry2d::shape::ConvexPolygon;
+mod buckets;
+mod solid;
+mod surface;
+
 use serde::{Deserialize, Serialize};
 
-use crate::geometry::{Polygon, nearest_on_segment, ray_disc};
-use crate::{Footprint, Obstacle, Point, Pose, Room, Shape, SimError};
-use nalgebra::Vector2;
+use crate::{Footprint, Obstacle, Point, Pose, Room, SimError};
+use buckets::Buckets;
+use solid::Solid;
+
+pub(crate) use solid::nearest_on_wall;
+pub use surface::{Outline, Proximity, Surface};
 
 /// A room with static obstacles, ready to be asked for distances.
 ///
@@ -17,6 +22,7 @@ pub struct World {
     room: Room,
     obstacles: Vec<Obstacle>,
     solids: Vec<Solid>,
+    buckets: Buckets,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -24,55 +30,6 @@ pub struct World {
 struct WorldData {
     room: Room,
     obstacles: Vec<Obstacle>,
-}
-
-/// An obstacle in the world's frame.
-#[derive(Debug, Clone)]
-pub(crate) enum Solid {
-    Disc { center: Point, radius: f64 },
-    Polygon(Polygon),
-}
-
-/// The outline of an obstacle or a wall in the world's frame, metres.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Outline<'a> {
-    /// A disc.
-    Disc {
-        /// Its centre.
-        center: Point,
-        /// Its radius.
-        radius: f64,
-    },
-    /// A convex polygon's corners, counter-clockwise.
-    Polygon(&'a [Point]),
-    /// A wall, from corner to corner.
-    Wall([Point; 2]),
-}
-
-/// Something that a vehicle can hit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Surface {
-    /// The wall at x = 0, y = 0, x = width or y = height, in this order.
-    Wall(usize),
-    /// An obstacle, by its index.
-    Obstacle(usize),
-}
-
-/// How near a footprint is to things: signed distances, negative where they overlap, metres.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Proximity {
-    /// The nearest wall, and the distance to it.
-    pub wall: (usize, f64),
-    /// The nearest obstacle, and the distance to it, where there is any.
-    pub obstacle: Option<(usize, f64)>,
-}
-
-impl Proximity {
-    /// The distance to whatever is nearest, metres.
-    #[must_use]
-    pub fn clearance(&self) -> f64 {
-        self.obstacle.map_or(self.wall.1, |(_, clearance)| clearance.min(self.wall.1))
-    }
 }
 
 impl TryFrom<WorldData> for World {
@@ -95,8 +52,7 @@ impl World {
     /// Names the field of the room or of an obstacle (`obstacles.3.shape.radius`) that is not
     /// allowed, or the obstacle that leaves the room.
     pub fn new(room: Room, obstacles: Vec<Obstacle>) -> Result<Self, SimError> {
-        room.check()?;
-        let mut world = Self { room, obstacles: Vec::new(), solids: Vec::new() };
+        let mut world = Self::empty(room, obstacles.len())?;
         for (index, obstacle) in obstacles.into_iter().enumerate() {
             let place = format!("obstacles.{index}");
             obstacle.shape.check().map_err(|e| e.under("shape").under(&place))?;
@@ -110,13 +66,19 @@ impl World {
         Ok(world)
     }
 
+    /// A room in which about `n_obstacles` are going to stand.
+    pub(crate) fn empty(room: Room, n_obstacles: usize) -> Result<Self, SimError> {
+        room.check()?;
+        let buckets = Buckets::new(&room, n_obstacles);
+        Ok(Self { room, obstacles: Vec::new(), solids: Vec::new(), buckets })
+    }
+
     /// Adds a checked obstacle.
     pub(crate) fn push(&mut self, obstacle: Obstacle) {
-        let pose = obstacle.pose();
-        self.solids.push(match &obstacle.shape {
-            Shape::Disc { radius } => Solid::Disc { center: Point::new(obstacle.x, obstacle.y), radius: *radius },
-            shape => Solid::Polygon(Polygon::new(shape.vertices()).at(&pose)),
-        });
+        let solid = Solid::new(&obstacle);
+        let (center, radius) = solid.bounding_circle();
+        self.buckets.insert(self.solids.len(), &center, radius);
+        self.solids.push(solid);
         self.obstacles.push(obstacle);
     }
 
@@ -159,7 +121,8 @@ impl World {
         [[d, a], [a, b], [b, c], [c, d]]
     }
 
-    /// The signed distance from a footprint to the nearest surface, metres: negative in a collision.
+    /// The signed distance from a footprint to the nearest surface, metres: negative in a collision, not a
+    /// number at a pose that is none.
     ///
     /// ```
     /// use headway_sim::{Footprint, Obstacle, Pose, Room, Shape, World};
@@ -176,16 +139,38 @@ impl World {
         self.proximity(footprint, pose).clearance()
     }
 
-    /// Whether a footprint touches or overlaps anything.
+    /// Whether a footprint touches or overlaps anything; a pose that is not finite counts as a collision.
     #[must_use]
     pub fn collides(&self, footprint: &Footprint, pose: &Pose) -> bool {
-        self.clearance(footprint, pose) <= 0.0
+        let clearance = self.clearance(footprint, pose);
+        clearance.is_nan() || clearance <= 0.0
+    }
+
+    /// Whether the clearance of a footprint is at least `least`: as [`Self::clearance`] says, but only
+    /// what stands near is looked at. Never at a pose that is not finite.
+    pub(crate) fn has_room(&self, footprint: &Footprint, pose: &Pose, least: f64) -> bool {
+        let center = Point::from(pose.translation.vector);
+        let reach = footprint.circumradius() + least;
+        let is_far = |index: usize| {
+            let solid = &self.solids[index];
+            solid.bound(&center) >= reach || solid.clearance(footprint, pose) >= least
+        };
+        self.wall_clearance(footprint, pose).1 >= least && self.buckets.near(&center, reach).all(is_far)
+    }
+
+    /// Whether a point has at least `least` metres of room around it.
+    pub(crate) fn has_room_around(&self, point: &Point, least: f64) -> bool {
+        self.has_room(&Footprint::disc(0.0), &Pose::translation(point.x, point.y), least)
     }
 
     /// The nearest wall and the nearest obstacle, with the signed distances to them.
     #[must_use]
     pub fn proximity(&self, footprint: &Footprint, pose: &Pose) -> Proximity {
+        let wall = self.wall_clearance(footprint, pose);
         let mut nearest: Option<(usize, f64)> = None;
+        if wall.1.is_nan() {
+            return Proximity { wall, obstacle: None };
+        }
         let center = Point::from(pose.translation.vector);
         for (index, solid) in self.solids.iter().enumerate() {
             let best = nearest.map_or(f64::INFINITY, |(_, clearance)| clearance);
@@ -196,7 +181,7 @@ impl World {
                 }
             }
         }
-        Proximity { wall: self.wall_clearance(footprint, pose), obstacle: nearest }
+        Proximity { wall, obstacle: nearest }
     }
 
     /// The distance from a point to the nearest surface, metres, negative within an obstacle.
@@ -224,7 +209,7 @@ impl World {
     }
 
     /// Whether a disc of `radius` can be moved along the straight line from `a` to `b` without
-    /// touching anything, but for dips of less than a millimetre.
+    /// touching anything, but for dips of less than a millimetre; never between ends that are not finite.
     ///
     /// Walks the line by the room it has (sphere tracing), so thin obstacles are not stepped over.
     #[must_use]
@@ -233,7 +218,7 @@ impl World {
         loop {
             let t = if length > 0.0 { travelled / length } else { 1.0 };
             let room = self.distance(&(a + (b - a) * t)) - radius;
-            if room <= 0.0 {
+            if room.is_nan() || room <= 0.0 {
                 return false;
             }
             if t >= 1.0 {
@@ -247,6 +232,10 @@ impl World {
         let Room { width, height } = self.room;
         let to_walls = |p: &Point| [p.x, p.y, width - p.x, height - p.y];
         let center = Point::from(pose.translation.vector);
+        // Minima pass over what is not a number: a single bad coordinate would go unnoticed.
+        if ![center.x, center.y, pose.rotation.re, pose.rotation.im].iter().all(|number| number.is_finite()) {
+            return (0, f64::NAN);
+        }
         let mut distances = to_walls(&center);
         match footprint.polygon() {
             None => distances.iter_mut().for_each(|d| *d -= footprint.circumradius()),
@@ -266,69 +255,4 @@ impl World {
         }
         nearest
     }
-}
-
-impl Solid {
-    /// A lower bound of the distance from a point to the solid.
-    fn bound(&self, point: &Point) -> f64 {
-        match self {
-            Self::Disc { center, radius } => (point - center).norm() - radius,
-            Self::Polygon(polygon) => (point - polygon.center()).norm() - polygon.radius(),
-        }
-    }
-
-    fn clearance(&self, footprint: &Footprint, pose: &Pose) -> f64 {
-        let origin = Point::from(pose.translation.vector);
-        match (self, footprint.polygon()) {
-            (Self::Disc { .. }, None) => self.bound(&origin) - footprint.circumradius(),
-            (Self::Disc { center, radius }, Some(own)) => {
-                own.signed_distance(&pose.inverse_transform_point(center)) - radius
-            }
-            (Self::Polygon(polygon), None) => polygon.signed_distance(&origin) - footprint.circumradius(),
-            (Self::Polygon(polygon), Some(own)) => polygon_clearance(polygon, &own.at(pose)),
-        }
-    }
-
-    /// Where a ray along a unit vector meets the solid.
-    pub(crate) fn cast(&self, origin: &Point, direction: &Vector2<f64>) -> Option<f64> {
-        match self {
-            Self::Disc { center, radius } => ray_disc(&(center - origin), *radius, direction),
-            Self::Polygon(polygon) => polygon.cast(origin, direction),
-        }
-    }
-
-    /// The point of the surface nearest to an outside point.
-    pub(crate) fn nearest(&self, point: &Point) -> Point {
-        match self {
-            Self::Disc { center, radius } => center + (point - center).normalize() * *radius,
-            Self::Polygon(polygon) => polygon.nearest(point),
-        }
-    }
-}
-
-/// The point of a wall nearest to `point`.
-pub(crate) fn nearest_on_wall(wall: &[Point; 2], point: &Point) -> Point {
-    nearest_on_segment(&wall[0], &wall[1], point)
-}
-
-/// The signed distance between two convex polygons, by parry: GJK outside, EPA inside.
-fn polygon_clearance(a: &Polygon, b: &Polygon) -> f64 {
-    let [Some(shape_a), Some(shape_b)] = [a, b].map(to_parry) else {
-        return (a.center() - b.center()).norm() - a.radius() - b.radius();
-    };
-    let identity = parry2d::math::Pose::identity();
-    let apart = query::distance(&identity, &shape_a, &identity, &shape_b).map_or(f64::INFINITY, |d| d.distance);
-    if apart > 0.0 {
-        return apart;
-    }
-    match query::contact(&identity, &shape_a, &identity, &shape_b, 0.0) {
-        Ok(Some(contact)) => contact.dist.min(0.0),
-        _ => 0.0,
-    }
-}
-
-/// The one place where our points become parry's.
-fn to_parry(polygon: &Polygon) -> Option<ConvexPolygon> {
-    let points = polygon.vertices().iter().map(|p| parry2d::math::Vector::new(p.x, p.y)).collect();
-    ConvexPolygon::from_convex_polyline(points)
 }

@@ -10,8 +10,11 @@ use proptest::prelude::*;
 const HALL: Room = Room { width: 200.0, height: 200.0 };
 
 fn shape() -> impl Strategy<Value = Shape> {
+    prop_oneof![1 => (0.1..1.0).prop_map(|radius| Shape::Disc { radius }), 2 => polygon()]
+}
+
+fn polygon() -> impl Strategy<Value = Shape> {
     prop_oneof![
-        (0.1..1.0).prop_map(|radius| Shape::Disc { radius }),
         (0.2..2.0, 0.2..2.0).prop_map(|(length, width)| Shape::Box { length, width }),
         (0.3..1.0, 3..8_u32).prop_map(|(radius, n)| {
             let corner = |k| (f64::from(k) / f64::from(n) * std::f64::consts::TAU).sin_cos();
@@ -28,6 +31,33 @@ fn world_with(shape: &Shape, pose: &Pose) -> World {
     let (x, y) = (pose.translation.x, pose.translation.y);
     let obstacle = Obstacle { shape: shape.clone(), x, y, yaw: pose.rotation.angle() };
     World::new(HALL, vec![obstacle]).expect("the hall is large")
+}
+
+/// The signed distance between two convex polygons, corners counter-clockwise. Overlapping, it is the least
+/// overlap over the directions across all edges (separating axes); apart, the least distance of a corner of
+/// one to an edge of the other.
+fn polygons_apart(a: &[Point], b: &[Point]) -> f64 {
+    let edges = |p: &[Point]| (0..p.len()).map(|i| (p[i], p[(i + 1) % p.len()])).collect::<Vec<_>>();
+    let widest_gap = |p: &[Point], q: &[Point]| {
+        let gap = |(from, to): (Point, Point)| {
+            let outward = Vector2::new(to.y - from.y, from.x - to.x).normalize();
+            q.iter().map(|corner| outward.dot(&(corner - from))).fold(f64::INFINITY, f64::min)
+        };
+        edges(p).into_iter().map(gap).fold(f64::NEG_INFINITY, f64::max)
+    };
+    let overlap = widest_gap(a, b).max(widest_gap(b, a));
+    if overlap <= 0.0 {
+        return overlap;
+    }
+    let from_corners = |p: &[Point], q: &[Point]| {
+        let to_edge = |corner: &Point, (from, to): (Point, Point)| {
+            let along = ((corner - from).dot(&(to - from)) / (to - from).norm_squared()).clamp(0.0, 1.0);
+            (corner - (from + (to - from) * along)).norm()
+        };
+        let all = p.iter().flat_map(|corner| edges(q).into_iter().map(move |edge| to_edge(corner, edge)));
+        all.fold(f64::INFINITY, f64::min)
+    };
+    from_corners(a, b).min(from_corners(b, a))
 }
 
 /// The shape in parry's terms, moved to `pose`.
@@ -54,11 +84,17 @@ proptest! {
         let ((a, pose_a), (b, pose_b)) = (parry(&own, &at), parry(&other, &there));
         let contact = query::contact(&pose_a, a.as_ref(), &pose_b, b.as_ref(), 100.0).unwrap();
         let expected = contact.expect("nearer than 100 m").dist;
-        if expected > 0.0 {
-            prop_assert!((clearance - expected).abs() < 1e-4, "{clearance} but parry {expected}");
-        } else {
-            prop_assert!(clearance < 1e-4, "{clearance} but parry {expected}");
-        }
+        prop_assert!((clearance - expected).abs() < 1e-6, "{clearance} but parry {expected}");
+    }
+
+    #[test]
+    fn clearance_of_polygons_agrees_with_separating_axes(
+        own in polygon(), at in pose(), other in polygon(), there in pose(),
+    ) {
+        let clearance = world_with(&other, &there).clearance(&Footprint::new(&own).unwrap(), &at);
+        let corners = |shape: &Shape, pose: &Pose| shape.vertices().iter().map(|v| pose * v).collect::<Vec<_>>();
+        let expected = polygons_apart(&corners(&own, &at), &corners(&other, &there));
+        prop_assert!((clearance - expected).abs() < 1e-6, "{clearance} but by separating axes {expected}");
     }
 
     #[test]
@@ -120,10 +156,65 @@ fn ranges_to_walls_by_hand() {
     assert!((cast(-4.0, -5.0) - 41.0_f64.sqrt()).abs() < 1e-12);
     let facing_left = Pose::new(origin.coords, std::f64::consts::PI);
     assert!((world.sector_range(&facing_left, 0.5) - 4.0).abs() < 1e-12);
-    // The wall's foot is 60 degrees off, the sector ends at 30: the nearest point is on its side.
+    // Facing 240 degrees, the sector spans 210 to 270. The foot of the wall 4 m to the left (180 degrees) lies
+    // outside of it, so that wall is nearest at 210, 30 degrees aside; the foot of the wall 5 m below (270) is
+    // on its edge. The nearer of the two is 4 / cos(30 degrees).
     let slanted = Pose::new(origin.coords, 60_f64.to_radians() - std::f64::consts::PI);
-    let expected = 5.0 / 60_f64.to_radians().cos().max((-90_f64 + 150.0).to_radians().cos());
-    assert!(world.sector_range(&slanted, 30_f64.to_radians()) <= expected);
+    let range = world.sector_range(&slanted, 30_f64.to_radians());
+    assert!((range - 4.0 / 30_f64.to_radians().cos()).abs() < 1e-12);
+}
+
+#[test]
+fn nothing_is_seen_from_outside_or_without_range() {
+    let world = World::new(Room { width: 10.0, height: 15.0 }, vec![]).unwrap();
+    // From outside, what faces the room saw its far wall.
+    for (x, y) in [(-1.0, 5.0), (11.0, 5.0), (5.0, -1.0), (5.0, 16.0), (f64::NAN, 5.0)] {
+        for direction in [Vector2::x(), Vector2::y(), -Vector2::x(), -Vector2::y()] {
+            assert_eq!(world.cast_ray(&Point::new(x, y), &direction, 30.0), 0.0);
+        }
+    }
+    let cast = |max_range| world.cast_ray(&Point::new(4.0, 5.0), &Vector2::x(), max_range);
+    assert_eq!(cast(f64::INFINITY), 6.0);
+    assert_eq!(cast(2.0), 2.0);
+    // These panicked.
+    assert_eq!(cast(-1.0), 0.0);
+    assert_eq!(cast(f64::NAN), 0.0);
+}
+
+#[test]
+fn no_way_leads_to_what_is_not_a_number() {
+    let world = World::new(Room { width: 10.0, height: 15.0 }, vec![]).unwrap();
+    let is_free = |x, y, radius| world.is_free(&Point::new(4.0, 5.0), &Point::new(x, y), radius);
+    assert!(is_free(5.0, 5.0, 0.25));
+    for (x, y, radius) in [(f64::NAN, 5.0, 0.25), (5.0, f64::INFINITY, 0.25), (5.0, 5.0, f64::NAN)] {
+        assert!(!is_free(x, y, radius));
+        assert!(!world.is_free(&Point::new(x, y), &Point::new(4.0, 5.0), radius));
+    }
+}
+
+#[test]
+fn a_pose_that_is_not_finite_collides() {
+    let world = World::new(Room { width: 10.0, height: 15.0 }, vec![]).unwrap();
+    for shape in [Shape::Disc { radius: 0.25 }, Shape::Box { length: 0.5, width: 0.4 }] {
+        let footprint = Footprint::new(&shape).unwrap();
+        for (x, y, yaw) in [(f64::NAN, 5.0, 0.0), (5.0, f64::NAN, 0.0), (5.0, 5.0, f64::NAN), (5.0, f64::INFINITY, 0.0)]
+        {
+            let pose = Pose::new([x, y].into(), yaw);
+            assert!(world.collides(&footprint, &pose));
+            assert!(world.clearance(&footprint, &pose).is_nan());
+        }
+    }
+}
+
+#[test]
+fn a_thin_polygon_is_no_disc() {
+    // Where parry made no polygon of the corners, their bounding circles were taken: a collision from afar.
+    let sliver = |y| Shape::Polygon { vertices: vec![[0.0, 0.0], [10.0, 0.0], [5.0, y]] };
+    assert!(sliver(1e-8).check().is_err());
+    let world = world_with(&sliver(0.02), &Pose::translation(95.0, 100.0));
+    let vehicle = Footprint::new(&Shape::Box { length: 0.5, width: 0.4 }).unwrap();
+    let clearance = world.clearance(&vehicle, &Pose::translation(100.0, 98.0));
+    assert!((clearance - 1.8).abs() < 1e-6, "{clearance}");
 }
 
 #[test]
@@ -131,6 +222,11 @@ fn obstacles_outside_the_room_are_refused() {
     let obstacle = Obstacle { shape: Shape::Disc { radius: 1.0 }, x: 0.5, y: 5.0, yaw: 0.0 };
     let error = World::new(Room { width: 10.0, height: 15.0 }, vec![obstacle]).unwrap_err();
     assert_eq!(error.to_string(), "obstacle 0 at (0.5, 5) reaches out of the 10 x 15 m room");
+    // One coordinate that was not a number went unnoticed.
+    for (x, y, yaw) in [(f64::NAN, 5.0, 0.0), (5.0, f64::NAN, 0.0), (5.0, 5.0, f64::NAN)] {
+        let obstacle = Obstacle { shape: Shape::Disc { radius: 1.0 }, x, y, yaw };
+        assert!(World::new(Room { width: 10.0, height: 15.0 }, vec![obstacle]).is_err());
+    }
     let flat = Obstacle { shape: Shape::Disc { radius: -1.0 }, x: 5.0, y: 5.0, yaw: 0.0 };
     let error = World::new(Room { width: 10.0, height: 15.0 }, vec![flat]).unwrap_err();
     assert_eq!(error.to_string(), "obstacles.0.shape.radius = -1: must be a finite number above 0");

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::spec::Assignment;
+use crate::store::AxisLevel;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -114,6 +115,7 @@ pub struct ListArgs {}
 #[command(after_help = "\
 Examples:
   experiments report results/quick
+  experiments report results/quick --runs
   experiments report results/table1 --format csv > table1.csv")]
 pub struct ReportArgs {
     /// The folder that `experiments run --out DIR` filled.
@@ -122,6 +124,9 @@ pub struct ReportArgs {
     /// How to print.
     #[arg(long, value_enum, default_value_t = ReportFormat::Table)]
     pub format: ReportFormat,
+    /// One line per run instead: its cell, seed, id, success in each world, and the path of its policy.
+    #[arg(long, conflicts_with = "format")]
+    pub runs: bool,
 }
 
 /// Arguments of `experiments evaluate`.
@@ -138,6 +143,10 @@ pub struct EvaluateArgs {
     /// The spec whose table `evaluate` names the worlds.
     #[arg(long, value_name = "SPEC")]
     pub spec: PathBuf,
+    /// The cell of the spec that says how to evaluate [default: the one whose run made the policy, or else all that fit
+    /// its robot, if they agree].
+    #[arg(long, value_name = "AXIS=LEVEL[,AXIS=LEVEL]...", value_delimiter = ',', value_parser = axis_level)]
+    pub cell: Vec<AxisLevel>,
     /// Episodes in each world, instead of the spec's.
     #[arg(long, value_name = "N")]
     pub episodes: Option<NonZeroUsize>,
@@ -161,12 +170,17 @@ pub struct EvaluateArgs {
     pub set: Vec<Assignment>,
 }
 
+fn axis_level(text: &str) -> Result<AxisLevel, String> {
+    let (axis, level) = text.split_once('=').ok_or("write AXIS=LEVEL, for example agent=DQN")?;
+    Ok(AxisLevel { axis: axis.trim().to_owned(), level: level.trim().to_owned() })
+}
+
 /// How `experiments report` prints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ReportFormat {
     /// A table for people.
     Table,
-    /// JSON, one object.
+    /// JSON, a list of objects: one per cell and world.
     Json,
     /// CSV, one line per cell and world.
     Csv,
@@ -177,6 +191,6 @@ pub enum ReportFormat {
 pub enum EvaluateFormat {
     /// A table for people.
     Table,
-    /// JSON, one object.
+    /// JSON, a list of objects: one per world.
     Json,
 }

@@ -7,7 +7,7 @@ use std::thread::available_parallelism;
 
 use super::args::CheckArgs;
 use super::print;
-use super::speed::seconds_per_step;
+use super::speed::{self, Cost};
 use crate::Error;
 use crate::spec::{Cell, Grid, RunSpec};
 
@@ -18,7 +18,8 @@ use crate::spec::{Cell, Grid, RunSpec};
 pub fn execute(args: &CheckArgs, out: &mut dyn Write) -> Result<(), Error> {
     let grid = Grid::load(&args.spec, &args.set)?;
     print(out, &describe(&grid))?;
-    print(out, &cost(&grid, seconds_per_step(&grid.cells)?))
+    let n_cores = available_parallelism().map_or(1, NonZeroUsize::get);
+    print(out, &cost(&speed::cost(&grid)?, grid.n_runs(), n_cores))
 }
 
 /// The grid in words: name, cells, seeds, amounts.
@@ -79,18 +80,28 @@ fn n_episodes(grid: &Grid) -> u64 {
     grid.runs().map(|(cell, _)| of(&cell.spec)).sum()
 }
 
-/// How long the training may take.
-fn cost(grid: &Grid, seconds_per_step: f64) -> String {
-    let n_cores = available_parallelism().map_or(1, NonZeroUsize::get);
-    let on_one = n_env_steps(grid) as f64 * seconds_per_step;
+/// How long the runs may take, on one core and on all.
+fn cost(cost: &Cost, n_runs: u64, n_cores: usize) -> String {
     // The last round of runs may leave cores idle.
-    let rounds = grid.n_runs().div_ceil(n_cores as u64) as f64 / grid.n_runs() as f64;
-    format!(
-        "cost         about {} of training on one core, {} on all {n_cores} ({} env steps/s measured)\n",
-        duration(on_one),
-        duration(on_one * rounds),
-        grouped((1.0 / seconds_per_step) as u64),
-    )
+    let n_rounds = n_runs.div_ceil(n_cores as u64) as f64;
+    let mut text = format!(
+        "\nestimated from short trials of {} here, good to a factor of 2 where the machine is idle\n{:13}{:>10}",
+        counted(cost.n_cells as u64, "cell"),
+        "",
+        "one core"
+    );
+    let _ = writeln!(text, "{:>14}", if n_cores > 1 { format!("all {n_cores} cores") } else { String::new() });
+    for (what, each, once) in [
+        ("training", cost.training, 0.0),
+        ("evaluation", cost.driving, cost.scenarios),
+        ("total", cost.training + cost.driving, cost.scenarios),
+    ] {
+        let on = |n_times: f64| duration(each * n_times + once);
+        let on_all = if n_cores > 1 { on(n_rounds) } else { String::new() };
+        let line = format!("{what:13}{:>10}{on_all:>14}", on(n_runs as f64));
+        let _ = writeln!(text, "{}", line.trim_end());
+    }
+    text
 }
 
 /// "1 seed", "2 seeds".
@@ -126,6 +137,22 @@ fn grouped(number: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_cost_counts_rounds_and_makes_scenarios_once() {
+        let each = Cost { training: 10.0, driving: 20.0, scenarios: 3.0, n_cells: 1 };
+        let expected = "
+estimated from short trials of 1 cell here, good to a factor of 2 where the machine is idle
+               one core   all 4 cores
+training           50 s          20 s
+evaluation        1.7 min          43 s
+";
+        assert_eq!(cost(&each, 5, 4), expected);
+        assert!(
+            cost(&each, 5, 1)
+                .ends_with("one core\ntraining           50 s\nevaluation      1.7 min\ntotal           2.5 min\n")
+        );
+    }
 
     #[test]
     fn numbers_are_readable() {

@@ -1,6 +1,7 @@
 //! The command line of `experiments`: one file per subcommand.
 
 pub mod args;
+mod cell;
 pub mod check;
 pub mod evaluate;
 pub mod list;

@@ -7,7 +7,7 @@ use super::print;
 use crate::error::Error;
 use crate::report;
 
-/// Prints the report on a results folder to `out`; with a format for machines, what a reader must know of it goes to
+/// Prints the report on a results folder to `out`, or a list of its runs; with a format for machines, what a reader must know of it goes to
 /// stderr.
 ///
 /// # Errors
@@ -15,6 +15,9 @@ use crate::report;
 /// cannot be written to.
 pub fn execute(args: &ReportArgs, out: &mut dyn Write) -> Result<(), Error> {
     let report = report::load(&args.dir)?;
+    if args.runs {
+        return print(out, &report.runs_table());
+    }
     match args.format {
         ReportFormat::Table => return print(out, &report.table()), // ends with the notes
         ReportFormat::Json => print(out, &report.json())?,

@@ -1,43 +1,144 @@
-//! How fast training is, measured on a slice of it.
+//! How long a grid may take, measured on short trials of some of its cells.
 
+use std::collections::HashSet;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use headway_policy::Policy;
+
 use crate::Error;
-use crate::spec::{Cell, RunSpec};
+use crate::evaluate::{ScenarioSet, for_policy};
+use crate::spec::{EvaluateWorld, Grid, RunSpec};
 use crate::train::Training;
 
-/// Cells that are measured at most, spread over the grid.
+/// Cells that are tried at most, spread over the grid.
 const N_CELLS: usize = 6;
-/// How long a cell is measured.
-const SLICE: Duration = Duration::from_millis(250);
+/// How long a training is tried.
+const TRAINING: Duration = Duration::from_millis(250);
+/// How long making scenarios, and driving through them, is tried in each evaluation world.
+const EVALUATION: Duration = Duration::from_millis(100);
+/// Copies of the environment that a trial has at most: the time of an env step hardly depends on them.
+const MAX_ENVS: usize = 256;
+/// Env steps before the first gradient step of a trial, at most.
+const MAX_WARM_UP: u64 = 1000;
+/// Control steps that an episode of a trial has at most.
+const MAX_STEPS: f64 = 2000.0;
 
-/// Training time on one core, seconds per env step, as the mean over some of the cells.
-///
-/// # Errors
-/// If a training fails.
-pub(super) fn seconds_per_step(cells: &[Cell]) -> Result<f64, Error> {
-    let stride = cells.len().div_ceil(N_CELLS).max(1);
-    let measured = cells.iter().step_by(stride).map(|cell| measure(&cell.spec));
-    let measured = measured.collect::<Result<Vec<f64>, _>>()?;
-    Ok(measured.iter().sum::<f64>() / measured.len() as f64)
+/// What the runs of a grid cost on one core, seconds.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cost {
+    /// The training of one run.
+    pub(super) training: f64,
+    /// Driving through the evaluation episodes of one run.
+    pub(super) driving: f64,
+    /// Making the evaluation scenarios of the whole grid: runs share them.
+    pub(super) scenarios: f64,
+    /// How many cells were tried.
+    pub(super) n_cells: usize,
 }
 
-/// The same for one run, without its beginning, in which it neither learns nor asks the network.
-fn measure(spec: &RunSpec) -> Result<f64, Error> {
+/// What one cell was found to cost, seconds: one run, and one of its sets of scenarios.
+struct Trial {
+    training: f64,
+    driving: f64,
+    scenarios: f64,
+}
+
+/// Tries some cells of a grid.
+///
+/// # Errors
+/// If a training or an evaluation fails.
+pub(super) fn cost(grid: &Grid) -> Result<Cost, Error> {
+    let stride = grid.cells.len().div_ceil(N_CELLS).max(1);
+    let trials = grid.cells.iter().step_by(stride).map(|cell| Trial::of(&cell.spec));
+    let trials = trials.collect::<Result<Vec<_>, _>>()?;
+    let mean = |of: fn(&Trial) -> f64| trials.iter().map(of).sum::<f64>() / trials.len() as f64;
+    Ok(Cost {
+        training: mean(|trial| trial.training),
+        driving: mean(|trial| trial.driving),
+        scenarios: mean(|trial| trial.scenarios) * n_scenario_sets(grid) as f64,
+        n_cells: trials.len(),
+    })
+}
+
+/// How many sets of scenarios there are to make.
+fn n_scenario_sets(grid: &Grid) -> usize {
+    let key = |spec: &RunSpec, world: &EvaluateWorld| {
+        format!("{:?}", (&world.world, spec.evaluate.n_episodes, spec.evaluate.seed, &spec.vehicle.footprint))
+    };
+    let keys =
+        grid.cells.iter().flat_map(|cell| cell.spec.evaluate.worlds.iter().map(move |world| key(&cell.spec, world)));
+    keys.collect::<HashSet<_>>().len()
+}
+
+impl Trial {
+    fn of(spec: &RunSpec) -> Result<Self, Error> {
+        let (seconds_per_step, policy) = train(spec)?;
+        let policy = Arc::new(policy);
+        let (mut driving, mut scenarios) = (0.0, 0.0);
+        for world in &spec.evaluate.worlds {
+            let (making_one, driving_one) = evaluate(spec, world, &policy)?;
+            scenarios += making_one;
+            driving += driving_one;
+        }
+        let n_episodes = spec.evaluate.n_episodes as f64;
+        Ok(Self {
+            training: seconds_per_step * spec.train.n_steps as f64,
+            driving: driving * n_episodes,
+            scenarios: scenarios * n_episodes / spec.evaluate.worlds.len() as f64,
+        })
+    }
+}
+
+/// Seconds per env step of a training without its beginning, in which it neither learns nor asks the network; and the
+/// policy that it comes to.
+fn train(spec: &RunSpec) -> Result<(f64, Policy), Error> {
     let mut spec = spec.clone();
+    let learns = spec.agent.warm_up < spec.train.n_steps;
+    spec.train.n_envs = spec.train.n_envs.min(MAX_ENVS);
     spec.agent.epsilon.start = spec.agent.epsilon.end;
-    spec.train.n_steps = spec.train.n_steps.max(spec.agent.warm_up * 2);
+    spec.agent.warm_up = if learns { spec.agent.warm_up.min(MAX_WARM_UP) } else { spec.agent.warm_up };
+    spec.train.n_steps = spec.train.n_steps.max(MAX_WARM_UP * 2);
     let mut training = Training::new(&spec, 0)?;
-    while training.n_env_steps() < spec.agent.warm_up {
+    while learns && training.n_env_steps() < spec.agent.warm_up {
         training.step()?;
     }
     let (n_before, start) = (training.n_env_steps(), Instant::now());
     loop {
         training.step()?;
-        if training.is_over() || start.elapsed() >= SLICE {
+        if training.is_over() || start.elapsed() >= TRAINING {
             let n_steps = training.n_env_steps() - n_before;
-            return Ok(start.elapsed().as_secs_f64() / n_steps as f64);
+            return Ok((start.elapsed().as_secs_f64() / n_steps as f64, training.policy()?));
         }
+    }
+}
+
+/// Seconds to make one scenario of an evaluation world, and to drive through one.
+fn evaluate(spec: &RunSpec, world: &EvaluateWorld, policy: &Arc<Policy>) -> Result<(f64, f64), Error> {
+    let mut rules = spec.evaluation(world);
+    rules.env.time_limit = rules.env.time_limit.min(MAX_STEPS * rules.vehicle.control_period);
+    let (mdp, mut driver) = for_policy(rules, policy)?;
+    let (set, making) = scenarios(|n| ScenarioSet::new(&mdp, n, spec.evaluate.seed))?;
+    let start = Instant::now();
+    let mut n_driven = 0;
+    while n_driven < set.len() && start.elapsed() < EVALUATION {
+        set.drive(&mdp, &mut driver, n_driven, |_| ())?;
+        n_driven += 1;
+    }
+    Ok((making, start.elapsed().as_secs_f64() / n_driven as f64))
+}
+
+/// As many scenarios as can be made in the time there is, and the seconds per scenario.
+fn scenarios(make: impl Fn(usize) -> Result<ScenarioSet, Error>) -> Result<(ScenarioSet, f64), Error> {
+    let mut n = 2;
+    loop {
+        let start = Instant::now();
+        let set = make(n)?;
+        let elapsed = start.elapsed();
+        if elapsed * 3 >= EVALUATION || n >= 512 {
+            return Ok((set, elapsed.as_secs_f64() / n as f64));
+        }
+        n *= 4;
     }
 }
 
@@ -46,10 +147,36 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_training_shorter_than_its_warm_up_is_measured_too() {
+    fn a_training_shorter_than_its_warm_up_is_tried_too() {
         let mut spec = RunSpec::default();
-        spec.train.n_steps = 32;
-        let seconds = seconds_per_step(&[Cell { axes: Vec::new(), spec }]).unwrap();
-        assert!(seconds > 0.0 && seconds < 1.0, "{seconds}");
+        (spec.train.n_steps, spec.evaluate.n_episodes) = (32, 10);
+        let Trial { training, driving, scenarios } = Trial::of(&spec).unwrap();
+        for seconds in [training, driving, scenarios] {
+            assert!(seconds > 0.0 && seconds < 10.0, "{training} {driving} {scenarios}");
+        }
+    }
+
+    #[test]
+    fn a_trial_is_short_whatever_the_spec() {
+        let mut spec = RunSpec::default();
+        (spec.train.n_steps, spec.train.n_envs, spec.agent.warm_up) = (1_000_000_000_000, 65_536, 100_000_000_000);
+        spec.evaluate.n_episodes = 10_000_000;
+        spec.evaluate.worlds.iter_mut().for_each(|world| world.time_limit = 1e9);
+        let start = Instant::now();
+        assert!(Trial::of(&spec).unwrap().driving > 0.0);
+        assert!(start.elapsed() < Duration::from_secs(20), "{:?}", start.elapsed());
+    }
+
+    #[test]
+    fn runs_that_share_a_world_share_its_scenarios() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("grid.toml");
+        let level = |key: &str| format!("[[axis]]\nname = \"x\"\nlevels = {{ a = {{}}, b = {{ {key} }} }}");
+        let n_sets = |key: &str| {
+            std::fs::write(&path, level(key)).unwrap();
+            n_scenario_sets(&Grid::load(&path, &[]).unwrap())
+        };
+        assert_eq!(n_sets("\"agent.gamma\" = 0.9"), 2, "one for each world");
+        assert_eq!(n_sets("\"evaluate.seed\" = 1"), 4);
     }
 }

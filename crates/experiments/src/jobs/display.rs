@@ -27,7 +27,8 @@ pub enum Display {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Work {
     pub(super) n_jobs: usize,
-    pub(super) n_steps: u64,
+    /// In the unit of the jobs.
+    pub(super) amount: u64,
 }
 
 /// How far the work has come.
@@ -35,7 +36,7 @@ pub(super) struct Work {
 struct Snapshot {
     work: Work,
     n_finished: usize,
-    n_steps: u64,
+    done: u64,
     elapsed: Duration,
 }
 
@@ -45,18 +46,14 @@ impl Display {
         if io::stderr().is_terminal() { Self::Bar } else { Self::Lines }
     }
 
-    /// Shows the progress until the workers, who send one event per finished job, have all hung up.
-    pub(super) fn follow(self, work: Work, events: &Receiver<()>, n_steps: &AtomicU64) {
+    /// Shows the progress until the workers, who send one event per job that succeeds, have all hung up.
+    pub(super) fn follow(self, work: Work, events: &Receiver<()>, done: &AtomicU64) {
         let bar = self.bar(work);
         let period = if self == Self::Lines { LINE_PERIOD } else { BAR_PERIOD };
         let start = Instant::now();
         let (mut n_finished, mut due) = (0, start + period);
-        let snapshot = |n_finished| Snapshot {
-            work,
-            n_finished,
-            n_steps: n_steps.load(Ordering::Relaxed),
-            elapsed: start.elapsed(),
-        };
+        let snapshot =
+            |n_finished| Snapshot { work, n_finished, done: done.load(Ordering::Relaxed), elapsed: start.elapsed() };
         loop {
             match events.recv_timeout(due.saturating_duration_since(Instant::now())) {
                 Ok(()) => n_finished += 1,
@@ -68,7 +65,7 @@ impl Display {
             }
         }
         bar.finish_and_clear();
-        // Where a job failed, its error is the last word.
+        // Where a job failed, be it the last, its error is the last word.
         if self != Self::Silent && n_finished == work.n_jobs {
             print(&snapshot(n_finished));
         }
@@ -78,8 +75,8 @@ impl Display {
         if self != Self::Bar {
             return ProgressBar::hidden();
         }
-        let style = ProgressStyle::with_template("{bar:30} {percent:>3} %  {msg}").expect("a valid template");
-        let bar = ProgressBar::new(work.n_steps).with_style(style);
+        let style = ProgressStyle::with_template("{bar:30}  {msg}").expect("a valid template");
+        let bar = ProgressBar::new(work.amount).with_style(style);
         bar.set_message(format!("0 of {} runs", work.n_jobs));
         bar
     }
@@ -88,7 +85,7 @@ impl Display {
         match self {
             Self::Bar => {
                 bar.set_message(snapshot.text());
-                bar.set_position(snapshot.n_steps);
+                bar.set_position(snapshot.done);
             }
             Self::Lines => print(snapshot),
             Self::Silent => {}
@@ -102,26 +99,16 @@ fn print(snapshot: &Snapshot) {
 }
 
 impl Snapshot {
-    /// For example `3 of 40 runs, 240k env steps/s, 2 min left`.
+    /// For example `3 of 40 runs, 25 %, 2 min left`.
     fn text(&self) -> String {
         let seconds = self.elapsed.as_secs_f64();
-        let rate = self.n_steps as f64 / seconds.max(1e-9);
         let runs = format!("{} of {} runs", self.n_finished, self.work.n_jobs);
         if self.n_finished == self.work.n_jobs {
-            return format!("{runs}, {} env steps/s, took {}", count(rate), time(seconds));
+            return format!("{runs}, took {}", time(seconds));
         }
-        let left = (self.n_steps > 0).then(|| (self.work.n_steps - self.n_steps.min(self.work.n_steps)) as f64 / rate);
-        let left = left.map_or_else(String::new, |seconds| format!(", {} left", time(seconds)));
-        format!("{runs}, {} env steps/s{left}", count(rate))
-    }
-}
-
-/// A number with three digits at most, as in `950`, `24k`, `1.3M`.
-fn count(number: f64) -> String {
-    match number {
-        n if n >= 999_500.0 => format!("{:.1}M", n / 1e6),
-        n if n >= 999.5 => format!("{:.0}k", n / 1e3),
-        n => format!("{n:.0}"),
+        let share = self.done as f64 / self.work.amount.max(1) as f64;
+        let left = (share > 0.0).then(|| format!(", {} left", time(seconds / share * (1.0 - share).max(0.0))));
+        format!("{runs}, {:.0} %{}", (100.0 * share).floor(), left.unwrap_or_default())
     }
 }
 
@@ -139,17 +126,18 @@ fn time(seconds: f64) -> String {
 mod tests {
     use super::*;
 
-    fn text(n_finished: usize, n_steps: u64, seconds: u64) -> String {
-        let work = Work { n_jobs: 40, n_steps: 4_000_000 };
-        Snapshot { work, n_finished, n_steps, elapsed: Duration::from_secs(seconds) }.text()
+    fn text(n_finished: usize, done: u64, seconds: u64) -> String {
+        let work = Work { n_jobs: 40, amount: 4_000_000 };
+        Snapshot { work, n_finished, done, elapsed: Duration::from_secs(seconds) }.text()
     }
 
     #[test]
     fn lines_of_progress() {
-        assert_eq!(text(0, 0, 10), "0 of 40 runs, 0 env steps/s");
-        assert_eq!(text(3, 1_000_000, 10), "3 of 40 runs, 100k env steps/s, 30 s left");
-        assert_eq!(text(3, 10_000, 10), "3 of 40 runs, 1k env steps/s, 67 min left");
-        assert_eq!(text(3, 1_000, 10), "3 of 40 runs, 100 env steps/s, 11 h 7 min left");
-        assert_eq!(text(40, 4_000_000, 3), "40 of 40 runs, 1.3M env steps/s, took 3 s");
+        assert_eq!(text(0, 0, 10), "0 of 40 runs, 0 %");
+        assert_eq!(text(3, 1_000_000, 10), "3 of 40 runs, 25 %, 30 s left");
+        assert_eq!(text(3, 10_000, 10), "3 of 40 runs, 0 %, 67 min left");
+        assert_eq!(text(3, 1_000, 10), "3 of 40 runs, 0 %, 11 h 7 min left");
+        assert_eq!(text(39, 4_000_000, 100), "39 of 40 runs, 100 %, 0 s left");
+        assert_eq!(text(40, 4_000_000, 3), "40 of 40 runs, took 3 s");
     }
 }

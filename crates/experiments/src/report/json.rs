@@ -4,12 +4,14 @@ use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::{Report, Row};
 use crate::episode::Metric;
+use crate::stats::Estimate;
 use crate::store::AxisLevel;
 
 impl Report {
     /// The rows as a JSON list of objects: `axes` (level by axis), `world`, `seeds`, `episodes` (of all seeds together),
     /// and for each [`Metric`] its `mean`, `low`, `high` and the `n` of seeds in which it is defined; `null` where
-    /// undefined. Rates are shares in [0, 1].
+    /// undefined. Rates are shares in [0, 1]; those of a single policy, which has no interval over seeds, also have
+    /// `wilson_low` and `wilson_high`, over its episodes.
     pub fn json(&self) -> String {
         let text = serde_json::to_string_pretty(&self.rows);
         text.expect("maps with string keys and numbers always have a JSON form") + "\n"
@@ -23,11 +25,24 @@ impl Serialize for Row {
         map.serialize_entry("world", &self.world)?;
         map.serialize_entry("seeds", &self.n_seeds)?;
         map.serialize_entry("episodes", &self.n_episodes)?;
-        for (metric, estimate) in Metric::ALL.iter().zip(&self.estimates) {
-            map.serialize_entry(metric.name(), estimate)?;
+        for ((metric, estimate), wilson) in Metric::ALL.iter().zip(&self.estimates).zip(self.wilson) {
+            match wilson {
+                None => map.serialize_entry(metric.name(), estimate)?,
+                Some((wilson_low, wilson_high)) => {
+                    map.serialize_entry(metric.name(), &WithWilson { estimate, wilson_low, wilson_high })?;
+                }
+            }
         }
         map.end()
     }
+}
+
+#[derive(serde::Serialize)]
+struct WithWilson<'a> {
+    #[serde(flatten)]
+    estimate: &'a Estimate,
+    wilson_low: f64,
+    wilson_high: f64,
 }
 
 /// Levels as a map from axis to level, in the order of the axes.

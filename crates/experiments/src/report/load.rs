@@ -3,63 +3,94 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::{Interval, Report, Row};
+use super::{Interval, Policy, Report, Row, RunRow};
 use crate::episode::SeedSummary;
-use crate::store::{Cell, EvaluationFolder, Index, IndexedEvaluation, RESULTS_VERSION, RunFolder, RunInfo, StoreError};
+use crate::store::{Cell, Index, IndexedRun, RESULTS_VERSION, RunFolder, RunInfo, State, StoreError};
 
 /// The report on the grid in the results folder at `root`, as far as it has come; needs no lock.
 ///
+/// Folders that are damaged count as unfinished, and a warning names them.
+///
 /// # Errors
-/// [`StoreError::NoIndex`] if `root` is no results folder; [`StoreError::Io`] and [`StoreError::Parse`] if a file of a
-/// complete run is missing or not what this version writes.
+/// [`StoreError::NoFolder`] and [`StoreError::NoIndex`] if `root` is no results folder; [`StoreError::Io`] and
+/// [`StoreError::Parse`] if a file of a complete run cannot be read or is not what this version writes.
 pub fn load(root: &Path) -> Result<Report, StoreError> {
     let index = Index::load(root)?;
-    let (mut rows, mut infos, mut n_complete, mut n_runs) = (Vec::new(), Vec::new(), 0, 0);
+    let mut found = Found::default();
+    let (mut rows, mut runs) = (Vec::new(), Vec::new());
     for cell in &index.cells {
-        let runs: Vec<_> = cell.runs.iter().map(|run| RunFolder::new(root, &run.train_id)).collect();
-        for run in runs.iter().filter(|run| run.is_complete()) {
-            infos.push(run.info()?);
-            n_complete += usize::from(is_evaluated(run, cell));
+        let loaded: Vec<RunRow> = cell.runs.iter().map(|run| found.run(root, cell, run)).collect::<Result<_, _>>()?;
+        for (k, evaluation) in cell.evaluations.iter().enumerate() {
+            let seeds: Vec<SeedSummary> = loaded.iter().filter_map(|run| run.summaries[k].1).collect();
+            rows.push(Row::of_seeds(cell.axes.clone(), evaluation.world.clone(), &seeds));
         }
-        n_runs += runs.len();
-        for evaluation in &cell.evaluations {
-            rows.push(Row::of_seeds(cell.axes.clone(), evaluation.world.clone(), &summaries(&runs, evaluation)?));
-        }
+        runs.extend(loaded);
     }
+    let n_complete = runs.iter().filter(|run| run.is_complete()).count();
     let axes = index.axes.into_iter().map(|axis| axis.name).collect();
-    Ok(Report { axes, rows, interval: Interval::Seeds, n_complete, n_runs, warnings: warnings(&infos) })
+    let (n_runs, warnings) = (runs.len(), found.warnings());
+    Ok(Report { axes, rows, runs, interval: Interval::Seeds, n_complete, n_runs, warnings })
 }
 
-fn is_evaluated(run: &RunFolder, cell: &Cell) -> bool {
-    cell.evaluations.iter().all(|evaluation| run.evaluation(&evaluation.eval_id).is_complete())
+/// What a reader of the runs must know.
+#[derive(Default)]
+struct Found {
+    infos: Vec<RunInfo>,
+    /// A line for each damaged folder; cells may share it.
+    damage: Vec<String>,
 }
 
-fn summaries(runs: &[RunFolder], evaluation: &IndexedEvaluation) -> Result<Vec<SeedSummary>, StoreError> {
-    runs.iter()
-        .filter(|run| run.is_complete())
-        .map(|run| run.evaluation(&evaluation.eval_id))
-        .filter(EvaluationFolder::is_complete)
-        .map(|folder| Ok(SeedSummary::of(&folder.episodes()?)))
-        .collect()
-}
-
-/// What sets some of the runs apart from the others, or all of them from this program.
-fn warnings(infos: &[RunInfo]) -> Vec<String> {
-    let versions = counts(infos.iter().map(|info| info.results_version.to_string()));
-    let revisions = counts(infos.iter().map(|info| info.revision.clone()));
-    let mut warnings = Vec::new();
-    if versions.len() > 1 {
-        warnings.push(format!("runs of several results versions: {}", listed(&versions)));
-    } else if versions.keys().any(|version| *version != RESULTS_VERSION.to_string()) {
-        warnings.push(format!(
-            "all runs are of results version {}; this program makes {RESULTS_VERSION}",
-            listed(&versions)
-        ));
+impl Found {
+    fn run(&mut self, root: &Path, cell: &Cell, run: &IndexedRun) -> Result<RunRow, StoreError> {
+        let folder = RunFolder::new(root, &run.train_id);
+        let state = folder.state()?;
+        let is_trained = self.is_whole(&state);
+        if is_trained {
+            self.infos.push(folder.info()?);
+        }
+        let mut summaries = Vec::new();
+        for evaluation in &cell.evaluations {
+            let episodes = folder.evaluation(&evaluation.eval_id);
+            let is_there = is_trained && self.is_whole(&episodes.state()?);
+            let summary = is_there.then(|| episodes.episodes()).transpose()?;
+            summaries.push((evaluation.world.clone(), summary.map(|episodes| SeedSummary::of(&episodes))));
+        }
+        let policy = match state {
+            State::Complete => Policy::At(folder.policy_path()),
+            State::Damaged { .. } => Policy::Damaged,
+            State::Unfinished => Policy::Unfinished,
+        };
+        Ok(RunRow { axes: cell.axes.clone(), seed: run.seed, train_id: run.train_id.clone(), summaries, policy })
     }
-    if revisions.len() > 1 {
-        warnings.push(format!("runs of several code revisions: {}", listed(&revisions)));
+
+    fn is_whole(&mut self, state: &State) -> bool {
+        if let State::Damaged { folder, what } = state {
+            let line = format!("`{}` is damaged: {what}; `experiments run` will redo it", folder.display());
+            if !self.damage.contains(&line) {
+                self.damage.push(line);
+            }
+        }
+        *state == State::Complete
     }
-    warnings
+
+    /// What sets some of the runs apart from the others, or all of them from this program, and what is damaged.
+    fn warnings(self) -> Vec<String> {
+        let versions = counts(self.infos.iter().map(|info| info.results_version.to_string()));
+        let revisions = counts(self.infos.iter().map(|info| info.revision.clone()));
+        let mut warnings = self.damage;
+        if versions.len() > 1 {
+            warnings.push(format!("runs of several results versions: {}", listed(&versions)));
+        } else if versions.keys().any(|version| *version != RESULTS_VERSION.to_string()) {
+            warnings.push(format!(
+                "all runs are of results version {}; this program makes {RESULTS_VERSION}",
+                listed(&versions)
+            ));
+        }
+        if revisions.len() > 1 {
+            warnings.push(format!("runs of several code revisions: {}", listed(&revisions)));
+        }
+        warnings
+    }
 }
 
 fn counts(values: impl Iterator<Item = String>) -> BTreeMap<String, usize> {

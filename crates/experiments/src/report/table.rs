@@ -12,6 +12,9 @@ const N_HEADER: usize = 3;
 const DISPENSABLE: [Metric; 4] =
     [Metric::DecelerationsPerM, Metric::Spl, Metric::NeedlessDecelerationsPerM, Metric::SpeedNearObstacles];
 
+/// What stands where there is no number.
+pub(super) const UNDEFINED: &str = "\u{2013}";
+
 const DEFINITIONS: &str = "mean speed: all distance / all time, failures included; near obstacles: clearance < 1 m; \
                            needless: the way was clear";
 
@@ -65,16 +68,13 @@ impl Report {
     }
 
     fn metric(&self, metric: Metric) -> Column {
-        let cells = self.rows.iter().flat_map(|row| {
-            let estimate = row.estimate(metric);
-            self.pad(mean_cell(estimate, metric.quantity(), row.n_seeds), interval_cell(estimate, metric.quantity()))
-        });
+        let cells = self.rows.iter().flat_map(|row| self.pad(mean_cell(row, metric), interval_cell(row, metric)));
         Column { align: Align::Right, cells: header(metric).map(str::to_owned).into_iter().chain(cells).collect() }
     }
 
     /// The line of means and, if the report has any interval, the line of intervals.
     fn pad(&self, mean: String, interval: String) -> Vec<String> {
-        let any = self.rows.iter().flat_map(|row| &row.estimates).any(|estimate| estimate.low.is_some());
+        let any = self.rows.iter().any(|row| Metric::ALL.iter().any(|metric| row.interval(*metric).is_some()));
         if any { vec![mean, interval] } else { vec![mean] }
     }
 
@@ -82,7 +82,7 @@ impl Report {
         let mut legend = vec![self.meaning(), DEFINITIONS.to_owned()];
         let partly = |estimate: Estimate, row: &Row| 0 < estimate.n && estimate.n < row.n_seeds;
         if self.rows.iter().any(|row| metrics.iter().any(|metric| partly(row.estimate(*metric), row))) {
-            legend.push("* undefined in some of the seeds; the mean is over the others".to_owned());
+            legend.push("*n: defined in n of the seeds only; the mean is over those".to_owned());
         }
         let left_out: Vec<_> = Metric::ALL.iter().filter(|m| !metrics.contains(m)).map(|m| m.name()).collect();
         if !left_out.is_empty() {
@@ -132,22 +132,20 @@ fn header(metric: Metric) -> [&'static str; N_HEADER] {
     }
 }
 
-fn mean_cell(estimate: Estimate, quantity: Quantity, n_seeds: usize) -> String {
-    let mark = if estimate.n > 0 && estimate.n < n_seeds { "*" } else { "" };
-    estimate.mean.map_or_else(|| "\u{2013}".to_owned(), |mean| number(mean, quantity) + mark)
+fn mean_cell(row: &Row, metric: Metric) -> String {
+    let Estimate { mean, n, .. } = row.estimate(metric);
+    let mark = if n > 0 && n < row.n_seeds { format!(" *{n}") } else { String::new() };
+    mean.map_or_else(|| UNDEFINED.to_owned(), |mean| number(mean, metric.quantity()) + &mark)
 }
 
-fn interval_cell(estimate: Estimate, quantity: Quantity) -> String {
-    match (estimate.low, estimate.high) {
-        (Some(low), Some(high)) => format!("{}\u{2013}{}", number(low, quantity), number(high, quantity)),
-        _ => String::new(),
-    }
+fn interval_cell(row: &Row, metric: Metric) -> String {
+    let number = |value| number(value, metric.quantity());
+    row.interval(metric).map_or_else(String::new, |(low, high)| format!("{}\u{2013}{}", number(low), number(high)))
 }
 
-fn number(value: f64, quantity: Quantity) -> String {
+/// A number of a kind, with as many decimals as all of its kind have.
+pub(super) fn number(value: f64, quantity: Quantity) -> String {
     match quantity {
-        Quantity::Rate if value == 1.0 => "100".to_owned(),
-        Quantity::Rate if value == 0.0 => "0".to_owned(),
         Quantity::Rate => format!("{:.1}", 100.0 * value),
         Quantity::Speed | Quantity::PerMetre | Quantity::Score => format!("{value:.2}"),
     }

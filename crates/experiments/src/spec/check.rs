@@ -1,9 +1,11 @@
 //! What the types cannot say: numbers in range, worlds that can be made, parts that fit together.
 
-use headway_env::EnvError;
+use headway_env::{EnvError, NavSpec};
 use headway_reward::RewardError;
 use headway_rl::RlError;
+use headway_sim::{RoomSpec, WorldSpec};
 
+use super::names::check_label;
 use super::{EvaluateSpec, EvaluateWorld, Fault, KeyPath, RunSpec, TrainSpec};
 
 impl RunSpec {
@@ -15,28 +17,86 @@ impl RunSpec {
         self.train.check()?;
         self.evaluate.check()?;
         self.agent.validate().map_err(|error| of_agent(&error))?;
-        self.training().build().map_err(|error| of_env(&error))?;
+        let mdp = self.training().build().map_err(|error| of_env(&error))?;
+        check_episodes(&self.training(), &KeyPath::default())?;
+        self.check_memory(mdp.obs_dim(), mdp.actions().len())?;
         for (index, world) in self.evaluate.worlds.iter().enumerate() {
-            let built = self.evaluation(world).build();
-            built.map_err(|error| in_evaluation(of_env(&error), index))?;
+            let mdp = self.evaluation(world);
+            let built = mdp.build().map_err(|error| of_env(&error));
+            let at = KeyPath::new(["evaluate", "worlds", &index.to_string()]);
+            built.and_then(|_| check_episodes(&mdp, &at)).map_err(|fault| in_evaluation(fault, index))?;
+        }
+        Ok(())
+    }
+
+    /// Refuses what would need more memory than any machine that this is for: an abort says less.
+    fn check_memory(&self, obs_dim: usize, n_actions: usize) -> Result<(), Fault> {
+        let agent = &self.agent;
+        let layers: Vec<f64> =
+            [&[obs_dim], &agent.hidden[..], &[n_actions]].concat().iter().map(|width| *width as f64).collect();
+        let n_weights: f64 = layers.windows(2).map(|pair| pair[0] * pair[1]).sum();
+        for (path, n_numbers) in [
+            // The observation before and after.
+            ("agent.replay_capacity", agent.replay_capacity as f64 * obs_dim as f64 * 2.0),
+            // Online, target and averaged weights, the gradient, and Adam's two moments.
+            ("agent.hidden", n_weights * 6.0),
+            // What each layer puts out, and its gradient.
+            ("agent.batch_size", agent.batch_size as f64 * layers.iter().sum::<f64>() * 2.0),
+            // The n-step queues.
+            ("train.n_envs", self.train.n_envs as f64 * agent.n_step as f64 * obs_dim as f64),
+        ] {
+            let gib = n_numbers * size_of::<f32>() as f64 / f64::from(1 << 30);
+            let problem = format!(
+                "would need {gib:.0} GiB of memory with {obs_dim} numbers in an observation; at most {MAX_GIB} GiB are allowed"
+            );
+            require(gib <= MAX_GIB, path, &problem)?;
         }
         Ok(())
     }
 }
 
+/// Memory that one part of a run may take, GiB.
+const MAX_GIB: f64 = 64.0;
+
+/// Refuses episodes that are over before they begin; `at` is the table that holds the world.
+fn check_episodes(mdp: &NavSpec, at: &KeyPath) -> Result<(), Fault> {
+    let period = mdp.vehicle.control_period;
+    let problem = format!("must be vehicle.control_period, {period} s, or more");
+    require(mdp.env.time_limit >= period, "env.time_limit", &problem)?;
+    let (distance, room) = nearest_goals(&mdp.world, at.join("world"));
+    let problem = format!("must be below every room's start_goal_distance, which is {distance} m in {room}");
+    require(mdp.env.reach_radius < distance, "env.reach_radius", &problem)
+}
+
+/// The least `start_goal_distance` of the rooms that `world`, which is at a path, may be; and the path of that room.
+fn nearest_goals(world: &WorldSpec, at: KeyPath) -> (f64, KeyPath) {
+    match world {
+        WorldSpec::Room(room) => (room.start_goal_distance, at),
+        WorldSpec::Room10x15 {} => (RoomSpec::room_10x15().start_goal_distance, at),
+        WorldSpec::Room25x25 {} => (RoomSpec::room_25x25().start_goal_distance, at),
+        WorldSpec::Mixture { worlds } => {
+            let below = |index: usize| at.join("worlds").join(index.to_string()).join("world");
+            let parts = worlds.iter().enumerate().map(|(index, part)| nearest_goals(&part.world, below(index)));
+            // There is a part, or the mixture could not have been built.
+            parts.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::INFINITY, at.clone()))
+        }
+    }
+}
+
 impl TrainSpec {
     fn check(&self) -> Result<(), Fault> {
-        require(self.n_envs >= 1, "train.n_envs", "must be 1 or more")?;
+        require((1..=65_536).contains(&self.n_envs), "train.n_envs", "must be 1 to 65536")?;
         require(self.log_every >= 1, "train.log_every", "must be 1 or more env steps")?;
         let least = self.n_envs as u64;
         let problem = format!("must be {least} or more: train.n_envs copies of the environment step together");
-        require(self.n_steps >= least, "train.n_steps", &problem)
+        require(self.n_steps >= least, "train.n_steps", &problem)?;
+        require(self.n_steps <= 1_000_000_000_000, "train.n_steps", "must be 10^12 or less")
     }
 }
 
 impl EvaluateSpec {
     fn check(&self) -> Result<(), Fault> {
-        require(self.n_episodes >= 1, "evaluate.n_episodes", "must be 1 or more")?;
+        require((1..=10_000_000).contains(&self.n_episodes), "evaluate.n_episodes", "must be 1 to 10000000")?;
         require(!self.worlds.is_empty(), "evaluate.worlds", "must hold at least one world")?;
         for (index, world) in self.worlds.iter().enumerate() {
             world.check(&self.worlds[..index]).map_err(|fault| in_evaluation(fault, index))?;
@@ -47,7 +107,7 @@ impl EvaluateSpec {
 
 impl EvaluateWorld {
     fn check(&self, earlier: &[Self]) -> Result<(), Fault> {
-        require(!self.name.trim().is_empty(), "name", "must not be empty")?;
+        check_label(&self.name).map_err(|problem| fault("name", problem))?;
         let is_new = earlier.iter().all(|other| other.name != self.name);
         require(is_new, "name", "an earlier world has this name; results are told apart by it")
     }

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use toml::Value;
+
 use super::KeyPath;
 
 /// Where a value was written.
@@ -79,7 +81,7 @@ pub struct SpecError {
     pub place: Box<Place>,
     /// Which value, where one is to blame.
     pub path: Option<KeyPath>,
-    /// That value, where it is short enough to show.
+    /// That value, shortened where it is long.
     pub value: Option<String>,
     /// What is wrong and what is allowed.
     pub problem: String,
@@ -102,9 +104,40 @@ impl fmt::Display for SpecError {
 impl std::error::Error for SpecError {}
 
 impl SpecError {
-    /// This error, said to be one of a single cell.
-    pub(crate) fn in_cell(mut self, label: &str) -> Self {
-        self.problem += &format!(" (in the cell {label})");
+    /// This error, said to need other values than the one named too.
+    pub(crate) fn given(mut self, others: &str) -> Self {
+        self.problem += &format!(" ({others})");
         self
+    }
+}
+
+/// Characters of a value that a message shows.
+const WIDTH: usize = 60;
+
+/// A value in as many characters as a message has room for.
+pub(crate) fn in_short(value: &Value) -> String {
+    let text = match value {
+        // TOML's own form of 1e-320 has as many zeros.
+        Value::Float(x) if value.to_string().len() > WIDTH => format!("{x:e}"),
+        other => other.to_string(),
+    };
+    match text.char_indices().nth(WIDTH) {
+        Some(_) => text.chars().take(WIDTH - 3).chain("...".chars()).collect(),
+        None => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_values_are_shortened() {
+        assert_eq!(in_short(&Value::Float(0.5)), "0.5");
+        assert_eq!(in_short(&Value::Float(1e-320)), "1e-320");
+        assert_eq!(in_short(&Value::Float(-1e300)), "-1e300");
+        let long = in_short(&Value::String("\u{fc}".repeat(100)));
+        assert_eq!((long.chars().count(), long.ends_with("\u{fc}...")), (WIDTH, true));
+        assert_eq!(in_short(&Value::Array(vec![1.into(); 2])), "[1, 1]");
     }
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use toml::{Table, Value};
 
 use super::head::{Axis, HEAD_KEYS, Head, Seeds};
+use super::names::check_folder;
 use super::resolved::{Refusal, Resolved};
 use super::source::Sources;
 use super::{Assignment, Fault, KeyPath, Place, RunSpec, SpecError};
@@ -53,7 +54,8 @@ impl Grid {
         let cells = loader.combinations().into_iter().map(|levels| loader.cell(&base, levels));
         let cells = cells.collect::<Result<_, _>>()?;
         let Head { name, seeds, axis: axes, .. } = loader.head;
-        Ok(Self { name: name.unwrap_or_else(|| stem(path)), seeds, axes, cells })
+        let name = name.map_or_else(|| name_of(path), Ok)?;
+        Ok(Self { name, seeds, axes, cells })
     }
 
     /// Every run: cell by cell, seed by seed.
@@ -125,13 +127,39 @@ impl Loader<'_> {
         }
         let cell = Cell { axes: levels, spec: run.spec };
         cell.spec.check().map_err(|fault| {
-            let is_shared = base.spec.check().as_ref() == Err(&fault);
+            let needed = self.needed(&fault, base, &steps, &cell);
             let error = self.locate(fault.in_tree(&run.tree), &steps);
-            // Where neither a level nor the base alone is to blame, it takes this cell to see the fault.
-            let needs_cell = !is_shared && matches!(*error.place, Place::File { part: None, .. });
-            if needs_cell { error.in_cell(&cell.label()) } else { error }
+            if needed.is_empty() { error } else { error.given(&needed) }
         })?;
         Ok(cell)
+    }
+
+    /// What it takes to see a fault beside the place that is blamed for it: "in the cell reward=R, after --set a=1".
+    fn needed(&self, fault: &Fault, base: &Resolved<RunSpec>, steps: &[Step<'_>], cell: &Cell) -> String {
+        let shows = |those: Vec<&Step<'_>>| {
+            let mut run = base.clone();
+            let applied = those.into_iter().try_for_each(|step| run.set(&step.path, step.value.clone()));
+            applied.is_ok() && run.spec.check().as_ref() == Err(fault)
+        };
+        let is_set = |step: &&Step<'_>| matches!(step.origin, Origin::CommandLine);
+        let sets = || {
+            format!("after {}", self.sets_of_cells().map(|set| format!("--set {set}")).collect::<Vec<_>>().join(" "))
+        };
+        let levels = || format!("in the cell {}", cell.label());
+        if shows(last_to_touch(&fault.path, steps).into_iter().collect()) {
+            String::new()
+        } else if steps.iter().any(|step| is_set(&step)) && shows(steps.iter().filter(is_set).collect()) {
+            sets()
+        } else if shows(steps.iter().filter(|step| !is_set(step)).collect()) {
+            levels()
+        } else {
+            format!("{}, {}", levels(), sets())
+        }
+    }
+
+    /// The assignments that change cells.
+    fn sets_of_cells(&self) -> impl Iterator<Item = &Assignment> {
+        self.sets.iter().filter(|set| !is_head(&set.path))
     }
 
     /// The replacements of a cell in order: its levels, the `when`s it matches, the command line.
@@ -150,7 +178,7 @@ impl Loader<'_> {
                 steps.extend(self.steps_of(Some(&when.set), &at, &format!("when number {}", index + 1))?);
             }
         }
-        steps.extend(self.sets.iter().filter(|set| !is_head(&set.path)).map(Step::of));
+        steps.extend(self.sets_of_cells().map(Step::of));
         Ok(steps)
     }
 
@@ -178,8 +206,7 @@ impl Loader<'_> {
     /// The error of `refusal`: where the last of `steps` that touched its path is written, or else the files' own tables.
     fn locate(&self, refusal: Refusal, steps: &[Step<'_>]) -> SpecError {
         let Refusal { path, value, problem } = refusal;
-        let touches = |step: &&Step<'_>| step.path.is_prefix_of(&path) || path.is_prefix_of(&step.path);
-        let place = match steps.iter().rev().find(touches).map(|step| (step, &step.origin)) {
+        let place = match last_to_touch(&path, steps).map(|step| (step, &step.origin)) {
             None => self.sources.place(&path),
             Some((_, Origin::CommandLine)) => Place::CommandLine,
             Some((step, Origin::File(written, part))) => {
@@ -197,6 +224,11 @@ impl<'a> Step<'a> {
     }
 }
 
+/// The last of `steps` that changed the value at `path`, something in it, or what holds it.
+fn last_to_touch<'s, 'v>(path: &KeyPath, steps: &'s [Step<'v>]) -> Option<&'s Step<'v>> {
+    steps.iter().rev().find(|step| step.path.is_prefix_of(path) || path.is_prefix_of(&step.path))
+}
+
 impl Fault {
     fn in_tree(self, tree: &Value) -> Refusal {
         Refusal::new(tree, self.path, self.problem)
@@ -212,7 +244,13 @@ fn is_head(path: &KeyPath) -> bool {
     HEAD_KEYS.contains(&path.first())
 }
 
-/// The file's name without its ending.
-fn stem(path: &Path) -> String {
-    path.file_stem().map_or_else(|| "spec".into(), |stem| stem.to_string_lossy().into_owned())
+/// What a spec without a `name` is called: its file's name without the ending.
+fn name_of(path: &Path) -> Result<String, SpecError> {
+    let stem = path.file_stem().map_or_else(|| "spec".into(), |stem| stem.to_string_lossy().into_owned());
+    check_folder(&stem).map(|()| stem.clone()).map_err(|problem| SpecError {
+        place: Box::new(Place::File { file: path.to_owned(), line: None, part: None }),
+        path: None,
+        value: None,
+        problem: format!("write a `name`: without one the spec is called after its file, {stem:?}, and that {problem}"),
+    })
 }

@@ -5,11 +5,15 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use toml::Table;
 
+use super::names::{check_folder, check_label};
 use super::suggest::{did_you_mean, list};
 use super::{Fault, KeyPath};
 
 /// The keys of a spec file that describe the grid rather than one run.
 pub(crate) const HEAD_KEYS: [&str; 5] = ["name", "base", "seeds", "axis", "when"];
+
+/// Runs that a spec may stand for.
+const MAX_RUNS: u64 = 1_000_000;
 
 /// What a spec file says about the grid; every key may be missing.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
@@ -31,7 +35,7 @@ pub(crate) struct Head {
 pub struct Seeds {
     /// The first seed.
     pub first: u64,
-    /// How many seeds, 1 or more.
+    /// How many seeds, 1 or more; cells x seeds are at most 1 000 000.
     pub count: u64,
 }
 
@@ -78,10 +82,11 @@ impl Head {
     /// Refuses what no grid can be made of.
     pub(crate) fn check(&self) -> Result<(), Fault> {
         self.check_name()?;
-        self.check_seeds()?;
         for (index, axis) in self.axis.iter().enumerate() {
             self.check_axis(index, axis)?;
         }
+        self.check_n_runs()?;
+        self.check_seeds()?;
         for (index, when) in self.when.iter().enumerate() {
             self.check_when(index, when)?;
         }
@@ -90,8 +95,8 @@ impl Head {
 
     fn check_name(&self) -> Result<(), Fault> {
         match &self.name {
-            Some(name) if name.trim().is_empty() => Err(Fault::new(["name"], "must not be empty")),
-            _ => Ok(()),
+            Some(name) => check_folder(name).map_err(|problem| Fault::new(["name"], problem)),
+            None => Ok(()),
         }
     }
 
@@ -107,11 +112,28 @@ impl Head {
         }
     }
 
+    fn check_n_runs(&self) -> Result<(), Fault> {
+        let n_cells = self.axis.iter().fold(1, |n: u64, axis| n.saturating_mul(axis.levels.len() as u64));
+        if n_cells > MAX_RUNS {
+            return Err(Fault::new(
+                ["axis"],
+                format!("make {n_cells} cells; a spec may stand for {MAX_RUNS} runs at most"),
+            ));
+        }
+        let at_most = MAX_RUNS / n_cells;
+        if self.seeds.count > at_most {
+            let problem =
+                format!("must be {at_most} or less: a spec may stand for {MAX_RUNS} runs at most, cells x seeds");
+            return Err(Fault::new(["seeds", "count"], problem));
+        }
+        Ok(())
+    }
+
     fn check_axis(&self, index: usize, axis: &Axis) -> Result<(), Fault> {
         let here = KeyPath::new(["axis", &index.to_string()]);
         let fault = |key: &str, problem: &str| Err(Fault::new(here.join(key).segments(), problem));
-        if axis.name.trim().is_empty() {
-            return fault("name", "must not be empty");
+        if let Err(problem) = check_label(&axis.name) {
+            return fault("name", problem);
         }
         if self.axis[..index].iter().any(|other| other.name == axis.name) {
             return fault("name", "an earlier axis has this name; give each axis its own");
@@ -119,13 +141,13 @@ impl Head {
         if axis.levels.is_empty() {
             return fault("levels", "must hold at least one level: NAME = { \"dotted.path\" = value }");
         }
-        match axis.levels.iter().find(|(_, set)| !set.is_table()) {
-            Some((level, _)) => Err(Fault {
-                path: here.join("levels").join(level),
-                problem: "must be a table: { \"dotted.path\" = value }".into(),
-            }),
-            None => Ok(()),
-        }
+        let of_level =
+            |level: &String, problem: &str| Fault { path: here.join("levels").join(level), problem: problem.into() };
+        axis.levels.iter().try_for_each(|(level, set)| match check_label(level) {
+            Err(problem) => Err(of_level(level, &format!("the name {problem}"))),
+            Ok(()) if !set.is_table() => Err(of_level(level, "must be a table: { \"dotted.path\" = value }")),
+            Ok(()) => Ok(()),
+        })
     }
 
     fn check_when(&self, index: usize, when: &When) -> Result<(), Fault> {

@@ -17,7 +17,8 @@
 //! 2. *Defaults* are filled in.
 //! 3. *Levels*, axis by axis, then the `when`s that match, then the assignments of the command line *replace* the value
 //!    at a path, which must exist: numbers index arrays, as in `reward.terms.1.weight`. A table without a `type` stands
-//!    for its entries. After each one defaults are filled in again, so that the next may name a key of a new `type`.
+//!    for its entries; another `type` alone, as in `reward.type=r`, for a whole table of that type. After each one
+//!    defaults are filled in again, so that the next may name a key of a new `type`.
 //! 4. Everything is built once, and every refusal becomes one [`SpecError`] that names file, line, path and value.
 //!
 //! ```
@@ -51,7 +52,9 @@ mod choices;
 mod error;
 mod grid;
 mod head;
+mod integers;
 mod merge;
+mod names;
 mod path;
 mod resolved;
 mod run;

@@ -153,6 +153,13 @@ pub(crate) fn first_non_finite(root: &Value) -> Option<KeyPath> {
     descendants(root, &KeyPath::default()).into_iter().find(|path| get(root, path).is_some_and(not_finite))
 }
 
+/// The path of the first array in `given` where `tree` holds a table.
+pub(crate) fn first_array_for_table(given: &Value, tree: &Value) -> Option<KeyPath> {
+    let is_one =
+        |path: &KeyPath| get(given, path).is_some_and(Value::is_array) && get(tree, path).is_some_and(Value::is_table);
+    descendants(given, &KeyPath::default()).into_iter().find(is_one)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

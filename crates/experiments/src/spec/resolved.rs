@@ -4,8 +4,9 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
+use super::error::in_short;
 use super::merge::chooses_anew;
-use super::typed::{Misfit, Why, parse, unknown_key};
+use super::typed::{Misfit, parse, unknown_key};
 use super::{KeyPath, path};
 
 /// A spec as an object and as the TOML tree that it serialises to: every default is in the tree.
@@ -31,28 +32,24 @@ impl Refusal {
     }
 
     fn of(misfit: Misfit, tree: &Value) -> Self {
-        let mut problem = misfit.explain(tree);
-        if matches!(misfit.why, Why::UnknownChoice(_)) && misfit.path.first() == "reward" {
-            problem.push_str(PLUGIN_HINT);
-        }
+        let problem = misfit.explain(tree);
         Self::new(tree, misfit.path, problem)
+    }
+
+    /// That of an array in `given` where `tree` holds a table: serde would take its items for the fields, in order.
+    fn of_array(given: &Value, tree: &Value) -> Option<Self> {
+        let path = path::first_array_for_table(given, tree)?;
+        let example = if path.last() == "seeds" { "; seeds 3 and 4 are { first = 3, count = 2 }" } else { "" };
+        Some(Self::new(given, path, format!("must be a table, not an array{example}")))
     }
 }
 
-/// Said wherever a reward's type is unknown.
-const PLUGIN_HINT: &str = ". A plugin's rewards, named `plugin/reward`, are known only to a binary that links its crate: \
-                           write `use my_rewards as _;` in that binary's main.rs";
-
-/// A value short enough for a message.
+/// A value in a message; a table is named by its path alone.
 fn shown(value: &Value) -> Option<String> {
-    let text = match value {
-        Value::Table(_) => return None,
-        other => other.to_string(),
-    };
-    (text.len() <= 60).then_some(text)
+    (!value.is_table()).then(|| in_short(value))
 }
 
-impl<T: Serialize + DeserializeOwned> Resolved<T> {
+impl<T: Serialize + DeserializeOwned + Default> Resolved<T> {
     /// Parses `table` and fills in the defaults.
     pub(crate) fn new(table: Table) -> Result<Self, Refusal> {
         Self::from_tree(Value::Table(table))
@@ -62,20 +59,28 @@ impl<T: Serialize + DeserializeOwned> Resolved<T> {
         if let Some(path) = path::first_non_finite(&given) {
             return Err(Refusal::new(&given, path, "must be a finite number".into()));
         }
-        let spec: T = parse(&given).map_err(|misfit| Refusal::of(misfit, &given))?;
+        let spec: T = parse(&given).map_err(|misfit| {
+            let default = Value::try_from(T::default()).ok();
+            let array = default.and_then(|tree| Refusal::of_array(&given, &tree));
+            array.unwrap_or_else(|| Refusal::of(misfit, &given))
+        })?;
         let tree = Value::try_from(&spec).map_err(|error| {
             let problem = format!("cannot be written as TOML: {error}");
             Refusal::new(&given, KeyPath::default(), problem)
         })?;
-        Ok(Self { spec, tree })
+        Refusal::of_array(&given, &tree).map_or(Ok(Self { spec, tree }), Err)
     }
 
     /// Replaces the value at `path`, which must exist.
     ///
     /// A table without a `type`, put where a table is, stands for its entries: `agent = { target = "dqn" }` sets
-    /// `agent.target` and leaves the rest of `agent` as it is.
+    /// `agent.target` and leaves the rest of `agent` as it is. Another `type` alone stands for a table of that type with its
+    /// defaults: the keys of one type mean nothing to another.
     pub(crate) fn set(&mut self, path: &KeyPath, value: Value) -> Result<(), Refusal> {
         match value {
+            value if self.is_another_type(path, &value) => {
+                self.replace(&path.parent(), Value::Table(Table::from_iter([(path.last().to_owned(), value)])))
+            }
             Value::Table(entries) if self.stands_for_its_entries(path, &entries) => {
                 entries.into_iter().try_for_each(|(key, value)| {
                     let refuse = |problem| Refusal { path: path.clone(), value: None, problem };
@@ -90,6 +95,10 @@ impl<T: Serialize + DeserializeOwned> Resolved<T> {
     fn stands_for_its_entries(&self, path: &KeyPath, entries: &Table) -> bool {
         let old = path::get(&self.tree, path).and_then(Value::as_table);
         old.is_some_and(|old| !entries.contains_key("type") && !chooses_anew(old, entries))
+    }
+
+    fn is_another_type(&self, path: &KeyPath, value: &Value) -> bool {
+        path.last() == "type" && path::get(&self.tree, path).is_some_and(|old| old != value)
     }
 
     fn replace(&mut self, path: &KeyPath, value: Value) -> Result<(), Refusal> {
@@ -149,6 +158,19 @@ mod tests {
     enum Shape {
         Disc { radius: f64 },
         Box { length: f64, width: f64 },
+        Ring(Ring),
+    }
+
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    #[serde(default, deny_unknown_fields)]
+    struct Ring {
+        inner: f64,
+    }
+
+    impl Default for Ring {
+        fn default() -> Self {
+            Self { inner: 0.5 }
+        }
     }
 
     #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -199,6 +221,17 @@ mod tests {
     }
 
     #[test]
+    fn another_type_alone_stands_for_a_table_of_that_type() {
+        assert_eq!(after("shapes.0.type=ring").unwrap().shapes[0], Shape::Ring(Ring { inner: 0.5 }));
+        assert_eq!(after("shapes.0.type=disc").unwrap(), Small::default(), "the same type changes nothing");
+        let refusal = after("shapes.0.type=box").unwrap_err();
+        assert_eq!(
+            (refusal.path.to_string(), refusal.problem),
+            ("shapes.0".into(), "the key `length` is missing".into())
+        );
+    }
+
+    #[test]
     fn an_optional_key_exists_although_it_is_not_set() {
         assert_eq!(after("note=hello").unwrap().note.as_deref(), Some("hello"));
     }
@@ -218,9 +251,21 @@ mod tests {
             ("count=1.5", "count: must be a whole number, 0 or above"),
             ("count=[]", "count: must be a whole number, 0 or above, not an array"),
             ("inner=1", "inner: must be a table"),
+            // Serde takes a sequence for the fields of a struct, in order.
+            ("inner=[]", "inner: must be a table, not an array"),
+            ("inner=[3.0]", "inner: must be a table, not an array"),
+            ("inner=['x', 1, 2]", "inner: must be a table, not an array"),
+            ("shapes.0=['disc', 1.0]", "shapes.0: must be a table, not an array"),
+            ("shapes=[['ring', 0.1]]", "shapes.0: must be a table, not an array"),
+            ("speed=.9", "speed: must be a number; write 0.9"),
+            ("speed=1.", "speed: must be a number; write 1.0"),
+            ("speed='2'", "speed: must be a number; write 2.0"),
+            ("count=1e3", "count: must be a whole number, 0 or above; write 1000"),
+            ("count=+.5", "count: must be a whole number, 0 or above"),
+            ("count=18446744073709551615", "count: must be a whole number, 0 or above; the greatest is 2^63 - 1"),
             ("shapes.0.radius=x", "shapes.0.radius: must be a number"),
             ("shapes.1.widht=1", "shapes.1.widht: unknown key `widht`; did you mean `width`?"),
-            ("shapes.1.type=bax", "shapes.1.type: unknown type; did you mean `box`? Known: `disc`, `box`"),
+            ("shapes.1.type=bax", "shapes.1.type: unknown type; did you mean `box`? Known: `disc`, `box`, `ring`"),
             ("shapes.1={ type = 'box', length = 1 }", "shapes.1: the key `width` is missing"),
             (
                 "shapes=[{ type = 'disc', radius = 1 }, { type = 'disc', radius = inf }]",

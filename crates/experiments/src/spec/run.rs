@@ -43,9 +43,10 @@ pub struct RunSpec {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrainSpec {
-    /// Env steps of the whole training, over all copies of the environment; at least `n_envs`.
+    /// Env steps of the whole training, over all copies of the environment, from `n_envs` to 10^12. All copies step
+    /// together, so the number made is this one rounded up to a multiple of `n_envs`.
     pub n_steps: u64,
-    /// Copies of the environment that step together, 1 or more.
+    /// Copies of the environment that step together, 1 to 65 536.
     pub n_envs: usize,
     /// Env steps between two rows of the training metrics, 1 or more.
     pub log_every: u64,
@@ -55,7 +56,7 @@ pub struct TrainSpec {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct EvaluateSpec {
-    /// Episodes in each world, 1 or more.
+    /// Episodes in each world, 1 to 10 000 000.
     pub n_episodes: usize,
     /// The seed of the scenarios: the same ones for every cell and training seed.
     pub seed: u64,
@@ -67,9 +68,9 @@ pub struct EvaluateSpec {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EvaluateWorld {
-    /// What tables and plots call it.
+    /// What tables and plots call it; no blanks at either end.
     pub name: String,
-    /// After how many seconds an episode counts as timed out, above 0.
+    /// After how many seconds an episode counts as timed out, one control period or more.
     pub time_limit: f64,
     /// The world.
     pub world: WorldSpec,

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use toml::de::{DeTable, DeValue};
 use toml::{Spanned, Table, Value};
 
+use super::integers::{TOO_LARGE, first_too_large};
 use super::merge::merge;
 use super::{KeyPath, Place, SpecError};
 
@@ -90,6 +91,12 @@ impl Source {
         match text.parse::<Table>() {
             Ok(table) => Ok(Self { path: path.to_owned(), text, table }),
             Err(error) => {
+                if let Some((key, number)) = first_too_large(&text) {
+                    let source = Self { path: path.to_owned(), text, table: Table::new() };
+                    let place = Sources(vec![source]).place(&key);
+                    let problem = TOO_LARGE.into();
+                    return Err(SpecError { place: Box::new(place), path: Some(key), value: Some(number), problem });
+                }
                 let line = error.span().map(|span| line_of(&text, span.start));
                 let culprit = error.span().and_then(|span| text.get(span)).unwrap_or_default();
                 let named = match error.message() {

@@ -2,14 +2,16 @@
 
 /// "; did you mean `x`? " for the word of `known` that is close to `word`, or else ". ": what follows is a sentence.
 pub(crate) fn did_you_mean<S: AsRef<str>>(word: &str, known: &[S]) -> String {
+    closest(word, known).map_or(". ".into(), |close| format!("; did you mean `{close}`? "))
+}
+
+/// The word of `known` that `word` may be a misspelling of.
+pub(crate) fn closest<'k, S: AsRef<str>>(word: &str, known: &'k [S]) -> Option<&'k str> {
     let lower = word.to_lowercase();
     let score = |other: &str| strsim::jaro_winkler(&lower, &other.to_lowercase());
-    known
-        .iter()
-        .map(|other| (score(other.as_ref()), other.as_ref()))
-        .filter(|(score, _)| *score > 0.75)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map_or(". ".into(), |(_, other)| format!("; did you mean `{other}`? "))
+    let scored = known.iter().map(|other| (score(other.as_ref()), other.as_ref()));
+    let best = scored.filter(|(score, _)| *score > 0.75).max_by(|a, b| a.0.total_cmp(&b.0));
+    best.map(|(_, close)| close)
 }
 
 /// The words as a list for people: "`a`, `b`".

@@ -1,11 +1,12 @@
 //! From TOML values to specs, with the exact place of what does not fit.
 
+use headway_reward::{RewardError, check_tag};
 use serde::de::DeserializeOwned;
 use serde_path_to_error::{Path, Segment};
 use toml::Value;
 
 use super::head::HEAD_KEYS;
-use super::suggest::{did_you_mean, list};
+use super::suggest::{closest, did_you_mean, list};
 use super::{KeyPath, path};
 
 /// Said of `[axis]` where `[[axis]]` was meant.
@@ -40,22 +41,49 @@ impl Misfit {
             Why::UnknownKey(known) => unknown_key(self.path.last(), &self.path.parent(), known),
             Why::UnknownChoice(known) => {
                 let word = path::get(root, &self.path).and_then(Value::as_str).unwrap_or(self.path.last());
-                format!("unknown {}{}Known: {}", self.noun(), did_you_mean(word, known), list(known))
+                unknown_reward(word, known).unwrap_or_else(|| {
+                    format!("unknown {}{}Known: {}", self.noun(), did_you_mean(word, known), list(known))
+                })
             }
             Why::MissingKey(key) => format!("the key `{key}` is missing"),
             Why::Other(words) if words == NOT_AN_ARRAY => format!("{words}; write its tables as [[{}]]", self.path),
-            Why::Other(words) => words.clone(),
+            Why::Other(words) => match path::get(root, &self.path).and_then(|value| written_well(value, words)) {
+                Some(hint) => format!("{words}; {hint}"),
+                None => words.clone(),
+            },
         }
     }
 
     /// What an unknown choice would have chosen.
     fn noun(&self) -> &'static str {
-        match (self.path.first(), self.path.last()) {
-            ("reward", "type") => "reward",
-            (_, "type") => "type",
-            _ => "choice",
-        }
+        if self.path.last() == "type" { "type" } else { "choice" }
     }
+}
+
+/// What the rewards' own crate says of an unknown reward, if the choice was one of rewards.
+fn unknown_reward(tag: &str, known: &[String]) -> Option<String> {
+    let error = check_tag(tag).err()?;
+    let is_of_rewards = matches!(&error, RewardError::Unknown { known: rewards, .. } if known == rewards);
+    is_of_rewards.then(|| match closest(tag, known) {
+        Some(close) => format!("{error}. Did you mean `{close}`?"),
+        None => error.to_string(),
+    })
+}
+
+/// How to write a number that TOML reads as something else (`.9`, `"3"`, `1e3` where a whole one is wanted).
+fn written_well(value: &Value, expected: &str) -> Option<String> {
+    let number = match value {
+        Value::Float(number) => *number,
+        Value::String(text) => text.parse().ok()?,
+        _ => return None,
+    };
+    if expected.starts_with("must be a whole number") {
+        let is_whole = number.fract() == 0.0 && number >= 0.0;
+        let fits = number < 2f64.powi(63);
+        return is_whole.then(|| if fits { format!("write {number}") } else { "the greatest is 2^63 - 1".into() });
+    }
+    let is_wanted = expected.contains("a number") && number.is_finite() && value.is_str();
+    is_wanted.then(|| format!("write {}", Value::Float(number)))
 }
 
 /// "unknown key" with a suggestion and the keys that the table `holder` has.

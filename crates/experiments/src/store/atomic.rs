@@ -15,18 +15,6 @@ pub(super) fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), StoreErr
     written.and_then(|()| fs::rename(beside, path)).map_err(at("write", path))
 }
 
-/// Flushes the files of a folder to the disk, then marks the folder as complete.
-pub(super) fn mark_complete(folder: &Path, done: &Path) -> Result<(), StoreError> {
-    for entry in fs::read_dir(folder).map_err(at("read", folder))? {
-        let path = entry.map_err(at("read", folder))?.path();
-        if path.is_file() {
-            let file = File::options().append(true).open(&path);
-            file.and_then(|file| file.sync_all()).map_err(at("write", &path))?;
-        }
-    }
-    write_atomically(done, &[])
-}
-
 /// An empty folder at `path`, whatever was there.
 pub(super) fn fresh_folder(path: &Path) -> Result<(), StoreError> {
     if path.exists() {

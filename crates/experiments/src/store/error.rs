@@ -28,6 +28,12 @@ pub enum StoreError {
         /// The results folder.
         folder: PathBuf,
     },
+    /// There is no such folder.
+    #[error("there is no folder `{}`", folder.display())]
+    NoFolder {
+        /// The folder.
+        folder: PathBuf,
+    },
     /// The folder holds no index: it is no results folder, or nothing was run yet.
     #[error("`{}` holds no results: there is no index.json in it", folder.display())]
     NoIndex {

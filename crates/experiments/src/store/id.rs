@@ -1,12 +1,12 @@
 //! Ids: hashes of all that determines a result.
 
-use std::fmt::{self, Display, Write};
+use std::fmt::{self, Display};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use super::RESULTS_VERSION;
+use super::done::digest;
 use super::error::{StoreError, unserialisable};
 
 /// Number of hexadecimal digits of an id: 64 bits.
@@ -27,12 +27,7 @@ impl Id {
         let value = toml::Value::try_from(key).map_err(unserialisable(Path::new("spec.toml")))?;
         let mut text = String::new();
         write_canonical(&value, &mut text);
-        let digits = Sha256::digest(text.as_bytes()).iter().fold(String::new(), |mut digits, byte| {
-            // Writing to a string cannot fail.
-            let _ = write!(digits, "{byte:02x}");
-            digits
-        });
-        Ok(Self(digits[..N_DIGITS].to_owned()))
+        Ok(Self(digest(text.as_bytes())[..N_DIGITS].to_owned()))
     }
 }
 

@@ -80,7 +80,7 @@ impl Index {
     /// Reads the index of the results folder at `root`; needs no lock.
     ///
     /// # Errors
-    /// [`StoreError::NoIndex`] if there is none, [`StoreError::Io`], and [`StoreError::Parse`] if it is not what this
+    /// [`StoreError::NoFolder`] and [`StoreError::NoIndex`] if there is none, [`StoreError::Io`], and [`StoreError::Parse`] if it is not what this
     /// version writes.
     pub fn load(root: &Path) -> Result<Self, StoreError> {
         let path = root.join(FILE);
@@ -89,6 +89,9 @@ impl Index {
                 let index: Self = serde_json::from_slice(&bytes).map_err(unreadable(&path))?;
                 index.check().map_err(unreadable(&path))?;
                 Ok(index)
+            }
+            Err(error) if error.kind() == ErrorKind::NotFound && !root.exists() => {
+                Err(StoreError::NoFolder { folder: root.to_owned() })
             }
             Err(error) if error.kind() == ErrorKind::NotFound => Err(StoreError::NoIndex { folder: root.to_owned() }),
             Err(error) => Err(at("read", &path)(error)),

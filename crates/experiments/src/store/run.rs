@@ -6,17 +6,16 @@ use std::path::{Path, PathBuf};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::atomic::{fresh_folder, mark_complete, write_atomically};
+use super::atomic::{fresh_folder, write_atomically};
+use super::done::{self, State, TIMING};
 use super::error::{StoreError, at, unreadable, unserialisable};
 use super::{CODE_REVISION, EvaluationKey, Id, RESULTS_VERSION, Timing};
 use crate::episode::EpisodeRecord;
 
-const DONE: &str = "done";
 const SPEC: &str = "spec.toml";
 const INFO: &str = "run.json";
 const METRICS: &str = "metrics.csv";
 const POLICY: &str = "policy.safetensors";
-const TIMING: &str = "timing.json";
 const EPISODES: &str = "episodes.csv";
 
 /// What a run's spec does not say: `run.json`. Never a time, so that equal runs are equal byte by byte.
@@ -64,9 +63,22 @@ impl RunFolder {
         self.path.join(POLICY)
     }
 
-    /// Whether the run has finished and left everything behind.
+    /// Whether the run has finished, and whether all that it left is still as it was written.
+    ///
+    /// # Errors
+    /// [`StoreError::Io`] if a file is there and cannot be read.
+    pub fn state(&self) -> Result<State, StoreError> {
+        done::state(&self.path)
+    }
+
+    /// Whether the run has finished and everything is there as it was written.
     pub fn is_complete(&self) -> bool {
-        self.path.join(DONE).is_file()
+        matches!(self.state(), Ok(State::Complete))
+    }
+
+    /// Whether the run has finished once, whatever has become of its files.
+    pub fn has_finished(&self) -> bool {
+        done::is_marked(&self.path)
     }
 
     /// Starts the run afresh: removes what an interrupted one left, evaluations included, and writes `spec.toml` and
@@ -79,6 +91,14 @@ impl RunFolder {
         write_toml(&self.path.join(SPEC), spec)?;
         write_json(&self.path.join(INFO), info)?;
         Ok(PendingRun { folder: self.clone() })
+    }
+
+    /// The run's resolved training spec, `spec.toml`.
+    ///
+    /// # Errors
+    /// [`StoreError::Io`], [`StoreError::Parse`].
+    pub fn spec(&self) -> Result<toml::Table, StoreError> {
+        read_toml(&self.path.join(SPEC))
     }
 
     /// The run's `run.json`.
@@ -135,7 +155,7 @@ impl PendingRun {
     /// [`StoreError::Io`].
     pub fn finish(self, timing: &Timing) -> Result<RunFolder, StoreError> {
         write_json(&self.folder.path.join(TIMING), timing)?;
-        mark_complete(&self.folder.path, &self.folder.path.join(DONE))?;
+        done::mark_complete(&self.folder.path)?;
         Ok(self.folder)
     }
 }
@@ -170,16 +190,34 @@ impl EvaluationFolder {
         &self.path
     }
 
-    /// Whether the evaluation has finished and left everything behind.
+    /// Whether the evaluation has finished, and whether all that it left is still as it was written.
+    ///
+    /// # Errors
+    /// [`StoreError::Io`] if a file is there and cannot be read.
+    pub fn state(&self) -> Result<State, StoreError> {
+        done::state(&self.path)
+    }
+
+    /// Whether the evaluation has finished and everything is there as it was written.
     pub fn is_complete(&self) -> bool {
-        self.path.join(DONE).is_file()
+        matches!(self.state(), Ok(State::Complete))
+    }
+
+    /// Whether the evaluation has finished once, whatever has become of its files.
+    pub fn has_finished(&self) -> bool {
+        done::is_marked(&self.path)
     }
 
     /// Writes the whole evaluation, in place of what an interrupted one left.
     ///
     /// # Errors
     /// [`StoreError::Io`], [`StoreError::Serialise`] if the world's spec has no TOML form.
-    pub fn write<W>(&self, key: &EvaluationKey<'_, W>, episodes: &[EpisodeRecord]) -> Result<(), StoreError>
+    pub fn write<W>(
+        &self,
+        key: &EvaluationKey<'_, W>,
+        episodes: &[EpisodeRecord],
+        timing: &Timing,
+    ) -> Result<(), StoreError>
     where
         W: Serialize + ?Sized,
     {
@@ -189,7 +227,24 @@ impl EvaluationFolder {
         let mut writer = csv::Writer::from_path(&path).map_err(unserialisable(&path))?;
         episodes.iter().try_for_each(|episode| writer.serialize(episode)).map_err(unserialisable(&path))?;
         writer.flush().map_err(at("write", &path))?;
-        mark_complete(&self.path, &self.path.join(DONE))
+        write_json(&self.path.join(TIMING), timing)?;
+        done::mark_complete(&self.path)
+    }
+
+    /// The evaluation's key, `spec.toml`.
+    ///
+    /// # Errors
+    /// [`StoreError::Io`], [`StoreError::Parse`].
+    pub fn spec(&self) -> Result<toml::Table, StoreError> {
+        read_toml(&self.path.join(SPEC))
+    }
+
+    /// The evaluation's `timing.json`.
+    ///
+    /// # Errors
+    /// [`StoreError::Io`], [`StoreError::Parse`].
+    pub fn timing(&self) -> Result<Timing, StoreError> {
+        read_json(&self.path.join(TIMING))
     }
 
     /// The episodes, in the order of the scenarios.
@@ -211,6 +266,11 @@ fn write_toml(path: &Path, value: &(impl Serialize + ?Sized)) -> Result<(), Stor
 fn write_json(path: &Path, value: &impl Serialize) -> Result<(), StoreError> {
     let text = serde_json::to_string_pretty(value).map_err(unserialisable(path))?;
     write_atomically(path, (text + "\n").as_bytes())
+}
+
+fn read_toml(path: &Path) -> Result<toml::Table, StoreError> {
+    let text = fs::read_to_string(path).map_err(at("read", path))?;
+    toml::from_str(&text).map_err(unreadable(path))
 }
 
 fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, StoreError> {

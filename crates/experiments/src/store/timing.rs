@@ -5,21 +5,21 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 use cpu_time::ThreadTime;
 use serde::{Deserialize, Serialize};
 
-/// How long a run took, and when: `timing.json`, the only file that differs between equal runs.
+/// How long a training or an evaluation took, and when: `timing.json`, the only file that differs between equal runs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Timing {
-    /// When the run started, UTC, as in RFC 3339.
+    /// When it started, UTC, as in RFC 3339.
     pub started: String,
-    /// When the run ended, UTC, as in RFC 3339.
+    /// When it ended, UTC, as in RFC 3339.
     pub finished: String,
     /// Time that passed, s.
     pub wall_seconds: f64,
-    /// Processor time of the thread that ran it, s.
+    /// Processor time of the thread that did it, s.
     pub cpu_seconds: f64,
 }
 
-/// The clock of a run that does all its work on one thread.
+/// The clock of a training or an evaluation, which does all its work on one thread.
 #[derive(Debug)]
 pub struct Stopwatch {
     date: SystemTime,

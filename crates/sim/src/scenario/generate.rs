@@ -5,9 +5,8 @@ use std::f64::consts::{PI, TAU};
 use rand::RngExt;
 
 use super::path_check::PathCheck;
-use super::spec::no_route;
-use super::{Interval, Kinds, Quantity, RoomSpec, Scenario};
-use crate::{Footprint, Obstacle, Pose, Room, Shape, SimError, World};
+use super::{GoalRule, Interval, Kinds, Quantity, RoomSpec, Scenario};
+use crate::{Footprint, Obstacle, Point, Pose, Room, Shape, SimError, World};
 
 /// How often an obstacle is tried in one layout.
 const PLACE_TRIES: usize = 500;
@@ -16,12 +15,28 @@ const LAYOUT_TRIES: usize = 20;
 /// How many pairs of start and goal are tried in one layout.
 const PAIR_TRIES: usize = 50;
 
-/// A scenario that satisfies `spec`, with its path checked.
-pub(super) fn scenario(spec: &RoomSpec, footprint: &Footprint, rng: &mut impl RngExt) -> Result<Scenario, SimError> {
+/// A scenario that satisfies `spec`, with its path checked, from one random stream for the layout and one
+/// for the two ends.
+///
+/// The room, the number of obstacles and their shapes are drawn once; only where they stand is drawn again
+/// when they do not fit. Drawing all again would favour large rooms with few and small obstacles.
+pub(super) fn scenario(
+    spec: &RoomSpec,
+    footprint: &Footprint,
+    mut layout: impl RngExt,
+    mut ends: impl RngExt,
+) -> Result<Scenario, SimError> {
+    let (layout, ends) = (&mut layout, &mut ends);
+    let room = Room { width: spec.width.sample(layout), height: spec.height.sample(layout) };
+    let shapes = draw_shapes(spec, &room, layout);
+    let rule = spec.goal_rule();
     let mut last_error = None;
     for _ in 0..LAYOUT_TRIES {
-        let room = Room { width: spec.width.sample(rng), height: spec.height.sample(rng) };
-        match furnish(spec, room, rng).and_then(|world| start_and_goal(spec, world, footprint, rng)) {
+        let made = furnish(room, &shapes, spec.min_gap, layout).and_then(|world| {
+            let (start, goal) = start_and_goal(&rule, &world, footprint, ends)?;
+            Ok(Scenario { world, start, goal, goal_rule: rule })
+        });
+        match made {
             Ok(scenario) => return Ok(scenario),
             Err(error) => last_error = Some(error),
         }
@@ -29,30 +44,34 @@ pub(super) fn scenario(spec: &RoomSpec, footprint: &Footprint, rng: &mut impl Rn
     Err(last_error.expect("LAYOUT_TRIES is above 0"))
 }
 
-/// A room with all its obstacles.
-fn furnish(spec: &RoomSpec, room: Room, rng: &mut impl RngExt) -> Result<World, SimError> {
+/// The shapes of all obstacles of a room.
+fn draw_shapes(spec: &RoomSpec, room: &Room, rng: &mut impl RngExt) -> Vec<Shape> {
     let n_obstacles = match spec.obstacles {
         Quantity::Count(count) => count,
         Quantity::Density(density) => (density.sample(rng) * room.width * room.height).round() as usize,
     };
-    let mut world = World::new(room, Vec::new())?;
-    for index in 0..n_obstacles {
-        let shape = draw_shape(&spec.kinds, &spec.obstacle_radius, rng);
-        let outline = Footprint::of_obstacle(&shape);
-        let place = (0..PLACE_TRIES)
-            .map(|_| draw_pose(&room, rng))
-            .find(|pose| world.clearance(&outline, pose) >= spec.min_gap);
+    (0..n_obstacles).map(|_| draw_shape(&spec.kinds, &spec.obstacle_radius, rng)).collect()
+}
+
+/// A room in which all the shapes stand.
+fn furnish(room: Room, shapes: &[Shape], min_gap: f64, rng: &mut impl RngExt) -> Result<World, SimError> {
+    let mut world = World::empty(room, shapes.len())?;
+    for (index, shape) in shapes.iter().enumerate() {
+        let outline = Footprint::of_obstacle(shape);
+        let place =
+            (0..PLACE_TRIES).map(|_| draw_pose(&room, rng)).find(|pose| world.has_room(&outline, pose, min_gap));
         let Some(pose) = place else {
+            let (n, radius) = (shapes.len(), shape.circumradius());
             return Err(SimError::CannotPlace {
-                what: format!("obstacle {} of {n_obstacles} (radius {:.2} m)", index + 1, shape.circumradius()),
+                what: format!("obstacle {} of {n} (radius {radius:.2} m)", index + 1),
                 width: room.width,
                 height: room.height,
-                min_gap: spec.min_gap,
+                min_gap,
                 tries: PLACE_TRIES,
             });
         };
         let (x, y) = (pose.translation.x, pose.translation.y);
-        world.push(Obstacle { shape, x, y, yaw: pose.rotation.angle() });
+        world.push(Obstacle { shape: shape.clone(), x, y, yaw: pose.rotation.angle() });
     }
     Ok(world)
 }
@@ -94,20 +113,18 @@ fn draw_polygon(radius: f64, rng: &mut impl RngExt) -> Shape {
 }
 
 fn start_and_goal(
-    spec: &RoomSpec,
-    world: World,
+    rule: &GoalRule,
+    world: &World,
     footprint: &Footprint,
     rng: &mut impl RngExt,
-) -> Result<Scenario, SimError> {
-    let rule = spec.goal_rule();
+) -> Result<(Pose, Point), SimError> {
+    let mut check = PathCheck::new(world, footprint, rule);
     for _ in 0..PAIR_TRIES {
-        let ends = rule.place(&world, footprint, rng).zip(rule.place(&world, footprint, rng));
+        let ends = rule.place(world, footprint, rng).zip(rule.place(world, footprint, rng));
         let Some((start, goal)) = ends else { break };
-        let far_enough = nalgebra::distance(&start, &goal) >= rule.distance;
-        if far_enough && PathCheck::new(&world, start, footprint, &rule).joins(&goal) {
-            let start = Pose::new(start.coords, rng.random_range(-PI..PI));
-            return Ok(Scenario { world, start, goal, goal_rule: rule });
+        if nalgebra::distance(&start, &goal) >= rule.distance && check.joins(&start, &goal) {
+            return Ok((Pose::new(start.coords, rng.random_range(-PI..PI)), goal));
         }
     }
-    Err(no_route(&world.room(), &rule, footprint, PAIR_TRIES))
+    Err(rule.no_route(&world.room(), footprint, PAIR_TRIES))
 }

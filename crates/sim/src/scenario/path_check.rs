@@ -1,59 +1,95 @@
 //! Whether two places are joined by a path: a best-first search over a lattice of free points.
 
 use std::cmp::Reverse;
-use std::collections::{BinaryHeap, HashSet};
+use std::collections::BinaryHeap;
 
 use super::GoalRule;
+use super::lattice::Lattice;
 use crate::{Footprint, Point, World};
 
-/// Joins of one start with many goals in one world.
+/// Marks a node that is not free.
+const BLOCKED: u16 = u16::MAX;
+
+/// Joins of places in one world.
 ///
-/// Lattice points lie `step` apart, the start is one of them, and a point is free if the distance to
-/// the nearest surface is at least the footprint's circumradius plus half a step. Distances change by at
+/// Lattice points lie `step` apart, at most half the rule's clearance, and a point is free if the distance
+/// to the nearest surface is at least the footprint's circumradius plus half a step. Distances change by at
 /// most a metre a metre, so the footprint, whatever its yaw, can move between free neighbours: what is
-/// found joined *is* joined. Passages barely wider than the footprint may be missed.
+/// found joined *is* joined. Passages barely wider than the footprint may be missed. A place is tied to the
+/// free points within a step that it can reach in a straight line; with the rule's clearance, to all of them.
 pub(super) struct PathCheck<'a> {
     world: &'a World,
-    start: Point,
-    step: f64,
-    margin: f64,
+    lattice: Lattice,
+    circumradius: f64,
+    /// Of each node: 0, or [`BLOCKED`], or the last search that came there.
+    seen: Vec<u16>,
+    n_searches: u16,
+    /// The searches that failed: each has seen all that is joined to its start, which need not be searched again.
+    dry: Vec<u16>,
 }
 
-type Node = (i32, i32);
-
 impl<'a> PathCheck<'a> {
-    /// The longest step, metres.
-    const STEP: f64 = 0.1;
-
-    pub(super) fn new(world: &'a World, start: Point, footprint: &Footprint, rule: &GoalRule) -> Self {
-        // With the rule's clearance at both ends, a goal sees all lattice points within a step.
-        let step = Self::STEP.min(rule.clearance);
-        Self { world, start, step, margin: footprint.circumradius() + step / 2.0 }
+    /// A check for footprints and a rule; one that joins nothing if the rule is not allowed in the room.
+    pub(super) fn new(world: &'a World, footprint: &Footprint, rule: &GoalRule) -> Self {
+        let lattice = Lattice::new(&world.room(), rule.clearance).unwrap_or(Lattice::EMPTY);
+        let seen = vec![0; lattice.n_nodes()];
+        Self { world, lattice, circumradius: footprint.circumradius(), seen, n_searches: 0, dry: Vec::new() }
     }
 
-    /// Whether a path joins the start to `goal`.
-    pub(super) fn joins(&mut self, goal: &Point) -> bool {
-        let urgency = |node: Node| {
-            let steps = (self.point(node) - goal).norm() / self.step;
+    /// Whether a path joins two places; never to or from one that is not finite.
+    ///
+    /// # Panics
+    /// After 65 534 searches.
+    pub(super) fn joins(&mut self, from: &Point, to: &Point) -> bool {
+        let (starts, ends) = (self.ties(from), self.ties(to));
+        let (dry, fresh): (Vec<usize>, Vec<usize>) =
+            starts.into_iter().partition(|start| self.dry.contains(&self.seen[*start]));
+        dry.iter().any(|start| ends.iter().any(|end| self.seen[*start] == self.seen[*end]))
+            || !fresh.is_empty() && !ends.is_empty() && self.search(&fresh, &ends, to)
+    }
+
+    /// The free nodes to which a place is tied.
+    fn ties(&self, place: &Point) -> Vec<usize> {
+        let mut nodes = self.lattice.around(place);
+        nodes.retain(|node| {
+            self.is_free(*node) && self.world.is_free(place, &self.lattice.point(*node), self.circumradius)
+        });
+        nodes
+    }
+
+    fn is_free(&self, node: usize) -> bool {
+        self.world.has_room_around(&self.lattice.point(node), self.circumradius + self.lattice.step / 2.0)
+    }
+
+    /// Whether one of the nodes `ends`, which lie around `to`, is joined to one of `starts`.
+    fn search(&mut self, starts: &[usize], ends: &[usize], to: &Point) -> bool {
+        self.n_searches += 1;
+        let search = self.n_searches;
+        assert!(search < BLOCKED, "searches are counted by 16 bits");
+        let lattice = &self.lattice;
+        let urgency = |node| {
+            let steps = (lattice.point(node) - to).norm() / lattice.step;
             (Reverse((steps * 1024.0) as u64), node)
         };
-        let mut open = BinaryHeap::from([urgency((0, 0))]);
-        let mut seen = HashSet::from([(0, 0)]);
-        while let Some((_, (i, j))) = open.pop() {
-            if (self.point((i, j)) - goal).norm() <= self.step {
+        starts.iter().for_each(|start| self.seen[*start] = search);
+        let mut open: BinaryHeap<_> = starts.iter().copied().map(urgency).collect();
+        while let Some((_, node)) = open.pop() {
+            if ends.contains(&node) {
                 return true;
             }
-            for node in [(i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1)] {
-                if seen.insert(node) && self.world.distance(&self.point(node)) >= self.margin {
-                    open.push(urgency(node));
+            for next in lattice.neighbours(node) {
+                if self.seen[next] == search || self.seen[next] == BLOCKED {
+                    continue;
+                }
+                let is_free = self.is_free(next);
+                self.seen[next] = if is_free { search } else { BLOCKED };
+                if is_free {
+                    open.push(urgency(next));
                 }
             }
         }
+        self.dry.push(search);
         false
-    }
-
-    fn point(&self, (i, j): Node) -> Point {
-        self.start + nalgebra::Vector2::new(f64::from(i), f64::from(j)) * self.step
     }
 }
 
@@ -73,7 +109,7 @@ mod tests {
         let world = room_with_barrier(gap);
         let footprint = Footprint::new(&Shape::Disc { radius: 0.25 }).unwrap();
         let rule = GoalRule { distance: 4.0, clearance: 0.2 };
-        PathCheck::new(&world, Point::new(2.0, 5.0), &footprint, &rule).joins(&Point::new(8.0, 7.0))
+        PathCheck::new(&world, &footprint, &rule).joins(&Point::new(2.0, 5.0), &Point::new(8.0, 7.0))
     }
 
     #[test]
@@ -82,5 +118,46 @@ mod tests {
         assert!(!joined(0.48));
         assert!(joined(0.75));
         assert!(joined(2.0));
+    }
+
+    #[test]
+    fn one_check_answers_many_questions() {
+        let world = room_with_barrier(0.0);
+        let footprint = Footprint::new(&Shape::Disc { radius: 0.25 }).unwrap();
+        let mut check = PathCheck::new(&world, &footprint, &GoalRule { distance: 4.0, clearance: 0.2 });
+        let [left, below, right, above] =
+            [[2.0, 5.0], [1.0, 1.0], [8.0, 7.0], [9.0, 9.0]].map(|[x, y]| Point::new(x, y));
+        for _ in 0..2 {
+            for (a, b, expected) in [
+                (left, below, true),
+                (left, right, false),
+                (below, above, false),
+                (below, left, true),
+                (right, above, true),
+                (right, below, false),
+                (above, right, true),
+            ] {
+                assert_eq!(check.joins(&a, &b), expected, "{a} to {b}");
+            }
+        }
+        assert_eq!(check.n_searches, 4, "each half is searched to its end once");
+    }
+
+    #[test]
+    fn what_is_not_allowed_joins_nothing() {
+        let world = room_with_barrier(2.0);
+        let footprint = Footprint::new(&Shape::Disc { radius: 0.25 }).unwrap();
+        let joins = |clearance, from| {
+            PathCheck::new(&world, &footprint, &GoalRule { distance: 1.0, clearance })
+                .joins(&from, &Point::new(2.0, 7.0))
+        };
+        assert!(joins(0.2, Point::new(2.0, 5.0)));
+        // A clearance of 0 was a step of 0: this never came back.
+        for clearance in [0.0, -1.0, 1e-9, f64::NAN] {
+            assert!(!joins(clearance, Point::new(2.0, 5.0)));
+        }
+        for (x, y) in [(f64::NAN, 5.0), (2.0, f64::INFINITY), (-1.0, 5.0), (5.0, 2.0)] {
+            assert!(!joins(0.2, Point::new(x, y)));
+        }
     }
 }

@@ -1,0 +1,53 @@
+//! Convex polygons as parry sees them.
+
+use std::sync::Arc;
+
+use parry2d::math::{Pose as ParryPose, Rotation, Vector};
+use parry2d::query;
+use parry2d::shape::ConvexPolygon;
+
+use crate::{Point, Pose};
+
+/// A convex polygon in parry's terms, made once in its own frame: moving it moves the frame.
+#[derive(Debug, Clone)]
+pub(crate) struct Hull {
+    polygon: Arc<ConvexPolygon>,
+    frame: ParryPose,
+}
+
+impl Hull {
+    /// From a checked shape's corners, of which parry keeps every one.
+    pub(crate) fn new(vertices: &[Point]) -> Self {
+        let points = vertices.iter().map(|p| Vector::new(p.x, p.y)).collect();
+        let polygon = ConvexPolygon::from_convex_polyline(points).expect("a checked polygon's corners turn enough");
+        Self { polygon: Arc::new(polygon), frame: ParryPose::identity() }
+    }
+
+    /// The same polygon moved to `pose`.
+    pub(crate) fn at(&self, pose: &Pose) -> Self {
+        Self { polygon: Arc::clone(&self.polygon), frame: to_parry(pose) * self.frame }
+    }
+
+    /// How many corners parry kept.
+    #[cfg(test)]
+    pub(crate) fn n_corners(&self) -> usize {
+        self.polygon.points().len()
+    }
+
+    /// The signed distance to another polygon, metres, negative where they overlap: GJK outside, EPA inside.
+    pub(crate) fn signed_distance(&self, other: &Self) -> f64 {
+        let (a, b) = (self.polygon.as_ref(), other.polygon.as_ref());
+        let apart = query::distance(&self.frame, a, &other.frame, b).expect("parry measures convex polygons");
+        if apart.distance > 0.0 {
+            return apart.distance;
+        }
+        let contact = query::contact(&self.frame, a, &other.frame, b, 0.0).expect("parry measures convex polygons");
+        contact.map_or(0.0, |contact| contact.dist.min(0.0))
+    }
+}
+
+/// The one place where our poses become parry's.
+fn to_parry(pose: &Pose) -> ParryPose {
+    let (translation, rotation) = (pose.translation.vector, pose.rotation);
+    ParryPose::from_parts(Vector::new(translation.x, translation.y), Rotation { re: rotation.re, im: rotation.im })
+}

@@ -1,0 +1,76 @@
+//! Numbers of which a part is drawn: ranges, counts, kinds.
+
+use std::ops::RangeInclusive;
+
+use rand::RngExt;
+use serde::{Deserialize, Serialize};
+
+use crate::FieldError;
+
+/// A number, or a range from which one is drawn uniformly: `2.5` or `[2.0, 3.0]`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "expected a number or a range [low, high]")]
+pub enum Interval {
+    /// Always this.
+    Fixed(f64),
+    /// Anything from the first to the second.
+    Range([f64; 2]),
+}
+
+impl Interval {
+    /// The least and the greatest value.
+    #[must_use]
+    pub fn bounds(&self) -> RangeInclusive<f64> {
+        match *self {
+            Self::Fixed(value) => value..=value,
+            Self::Range([low, high]) => low..=high,
+        }
+    }
+
+    /// A draw.
+    pub fn sample(&self, rng: &mut impl RngExt) -> f64 {
+        match *self {
+            Self::Fixed(value) => value,
+            Self::Range(_) => rng.random_range(self.bounds()),
+        }
+    }
+
+    pub(super) fn check(&self, field: &str, number: fn(&str, f64) -> Result<(), FieldError>) -> Result<(), FieldError> {
+        let (low, high) = self.bounds().into_inner();
+        number(field, low)?;
+        number(field, high)?;
+        if low > high {
+            let value = format!("[{low}, {high}]");
+            return Err(FieldError::new(field, value, "a range with its lower end first"));
+        }
+        Ok(())
+    }
+}
+
+/// How many obstacles: `{ count = 12 }` or `{ density = 0.08 }`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    /// This many, at most 10 000.
+    Count(usize),
+    /// This many per square metre of the room, at most 100, rounded to the nearest whole number.
+    Density(Interval),
+}
+
+/// Relative frequencies of the kinds of obstacles.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Kinds {
+    /// Discs.
+    pub disc: f64,
+    /// Rectangles of random proportions and yaw.
+    pub r#box: f64,
+    /// Convex polygons with three to seven corners on a circle.
+    pub polygon: f64,
+}
+
+impl Default for Kinds {
+    fn default() -> Self {
+        Self { disc: 1.0, r#box: 0.0, polygon: 0.0 }
+    }
+}

@@ -1,0 +1,71 @@
+//! Obstacles in the world's frame.
+
+use nalgebra::Vector2;
+
+use crate::geometry::{Polygon, nearest_on_segment, ray_disc};
+use crate::{Footprint, Obstacle, Point, Pose, Shape};
+
+/// An obstacle in the world's frame.
+#[derive(Debug, Clone)]
+pub(crate) enum Solid {
+    Disc { center: Point, radius: f64 },
+    Polygon(Polygon),
+}
+
+impl Solid {
+    /// The solid of a checked obstacle.
+    pub(super) fn new(obstacle: &Obstacle) -> Self {
+        match &obstacle.shape {
+            Shape::Disc { radius } => Self::Disc { center: Point::new(obstacle.x, obstacle.y), radius: *radius },
+            shape => Self::Polygon(Polygon::new(shape.vertices()).at(&obstacle.pose())),
+        }
+    }
+
+    /// Centre and radius of a circle that holds the solid.
+    pub(super) fn bounding_circle(&self) -> (Point, f64) {
+        match self {
+            Self::Disc { center, radius } => (*center, *radius),
+            Self::Polygon(polygon) => (polygon.center(), polygon.radius()),
+        }
+    }
+
+    /// A lower bound of the distance from a point to the solid.
+    pub(super) fn bound(&self, point: &Point) -> f64 {
+        let (center, radius) = self.bounding_circle();
+        (point - center).norm() - radius
+    }
+
+    /// The signed distance from a footprint to the solid.
+    pub(super) fn clearance(&self, footprint: &Footprint, pose: &Pose) -> f64 {
+        let origin = Point::from(pose.translation.vector);
+        match (self, footprint.polygon()) {
+            (Self::Disc { .. }, None) => self.bound(&origin) - footprint.circumradius(),
+            (Self::Disc { center, radius }, Some(own)) => {
+                own.signed_distance(&pose.inverse_transform_point(center)) - radius
+            }
+            (Self::Polygon(polygon), None) => polygon.signed_distance(&origin) - footprint.circumradius(),
+            (Self::Polygon(polygon), Some(own)) => polygon.hull().signed_distance(&own.hull().at(pose)),
+        }
+    }
+
+    /// Where a ray along a unit vector meets the solid.
+    pub(crate) fn cast(&self, origin: &Point, direction: &Vector2<f64>) -> Option<f64> {
+        match self {
+            Self::Disc { center, radius } => ray_disc(&(center - origin), *radius, direction),
+            Self::Polygon(polygon) => polygon.cast(origin, direction),
+        }
+    }
+
+    /// The point of the surface nearest to an outside point.
+    pub(crate) fn nearest(&self, point: &Point) -> Point {
+        match self {
+            Self::Disc { center, radius } => center + (point - center).normalize() * *radius,
+            Self::Polygon(polygon) => polygon.nearest(point),
+        }
+    }
+}
+
+/// The point of a wall nearest to `point`.
+pub(crate) fn nearest_on_wall(wall: &[Point; 2], point: &Point) -> Point {
+    nearest_on_segment(&wall[0], &wall[1], point)
+}
