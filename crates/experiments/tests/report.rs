@@ -119,29 +119,29 @@ fn the_table_of_a_grid() {
     assert_text(
         &table,
         "
-                                                                  mean   speed in  speed near   needless
-reward    agent  world        success  collision    timeout      speed  successes   obstacles     decel.        SPL
-                                    %          %          %        m/s        m/s         m/s        1/m
-───────────────────────────────────────────────────────────────────────────────────────────────────────────────────
-R         DQN    room_10x15         0       12.5       87.5       0.40          –        0.50       0.25       0.00
-                                  0–0  12.5–12.5  87.5–87.5  0.40–0.40              0.50–0.50  0.25–0.25  0.00–0.00
-R         DQN    room_25x25         0       12.5       87.5       0.40          –        0.25       0.25       0.00
-                                  0–0  12.5–12.5  87.5–87.5  0.40–0.40              0.25–0.25  0.25–0.25  0.00–0.00
-R         DDQN   room_10x15      25.0       12.5       62.5       0.54      0.80*        0.50       0.17       0.23
-                             6.2–50.0  12.5–12.5  37.5–81.2  0.44–0.65  0.80–0.80   0.50–0.50  0.11–0.22  0.06–0.47
-R         DDQN   room_25x25      25.0       12.5       62.5       0.57      0.90*        0.25       0.16       0.21
-                             6.2–50.0  12.5–12.5  37.5–81.2  0.45–0.72  0.90–0.90   0.25–0.25  0.10–0.22  0.05–0.42
-R_couple  DQN    room_10x15      93.8        6.2          0       0.79       0.80        0.50       0.07       0.88
-                             87.5–100     0–12.5        0–0  0.77–0.80  0.80–0.80   0.50–0.50  0.06–0.07  0.82–0.94
-R_couple  DQN    room_25x25      93.8        6.2          0       0.88       0.90        0.25       0.06       0.78
-                             87.5–100     0–12.5        0–0  0.87–0.90  0.90–0.90   0.25–0.25  0.06–0.06  0.73–0.83
-R_couple  DDQN   room_10x15       100          0          0       0.80       0.80        0.50       0.06       0.94
-                              100–100        0–0        0–0  0.80–0.80  0.80–0.80   0.50–0.50  0.06–0.06  0.94–0.94
-R_couple  DDQN   room_25x25       100          0          0       0.90       0.90        0.25       0.06       0.83
-                              100–100        0–0        0–0  0.90–0.90  0.90–0.90   0.25–0.25  0.06–0.06  0.83–0.83
+                                                                     mean   speed in  speed near   needless
+reward    agent  world           success  collision    timeout      speed  successes   obstacles     decel.        SPL
+                                       %          %          %        m/s        m/s         m/s        1/m
+──────────────────────────────────────────────────────────────────────────────────────────────────────────────────────
+R         DQN    room_10x15          0.0       12.5       87.5       0.40          –        0.50       0.25       0.00
+                                 0.0–0.0  12.5–12.5  87.5–87.5  0.40–0.40              0.50–0.50  0.25–0.25  0.00–0.00
+R         DQN    room_25x25          0.0       12.5       87.5       0.40          –        0.25       0.25       0.00
+                                 0.0–0.0  12.5–12.5  87.5–87.5  0.40–0.40              0.25–0.25  0.25–0.25  0.00–0.00
+R         DDQN   room_10x15         25.0       12.5       62.5       0.54    0.80 *3        0.50       0.17       0.23
+                                6.2–50.0  12.5–12.5  37.5–81.2  0.44–0.65  0.80–0.80   0.50–0.50  0.11–0.22  0.06–0.47
+R         DDQN   room_25x25         25.0       12.5       62.5       0.57    0.90 *3        0.25       0.16       0.21
+                                6.2–50.0  12.5–12.5  37.5–81.2  0.45–0.72  0.90–0.90   0.25–0.25  0.10–0.22  0.05–0.42
+R_couple  DQN    room_10x15         93.8        6.2        0.0       0.79       0.80        0.50       0.07       0.88
+                              87.5–100.0   0.0–12.5    0.0–0.0  0.77–0.80  0.80–0.80   0.50–0.50  0.06–0.07  0.82–0.94
+R_couple  DQN    room_25x25         93.8        6.2        0.0       0.88       0.90        0.25       0.06       0.78
+                              87.5–100.0   0.0–12.5    0.0–0.0  0.87–0.90  0.90–0.90   0.25–0.25  0.06–0.06  0.73–0.83
+R_couple  DDQN   room_10x15        100.0        0.0        0.0       0.80       0.80        0.50       0.06       0.94
+                             100.0–100.0    0.0–0.0    0.0–0.0  0.80–0.80  0.80–0.80   0.50–0.50  0.06–0.06  0.94–0.94
+R_couple  DDQN   room_25x25        100.0        0.0        0.0       0.90       0.90        0.25       0.06       0.83
+                             100.0–100.0    0.0–0.0    0.0–0.0  0.90–0.90  0.90–0.90   0.25–0.25  0.06–0.06  0.83–0.83
 Mean over 4 training seeds, 8 episodes each; below it: 95 % percentile bootstrap over the seeds.
 mean speed: all distance / all time, failures included; near obstacles: clearance < 1 m; needless: the way was clear
-* undefined in some of the seeds; the mean is over the others
+*n: defined in n of the seeds only; the mean is over those
 left out for want of room (see --format json or csv): decelerations_per_m
 ",
     );
@@ -153,14 +153,14 @@ fn the_table_of_a_single_policy() {
     assert_text(
         &table,
         "
-                                             mean   speed in  speed near  decele-  needless
-world         success  collision   timeout  speed  successes   obstacles  rations    decel.   SPL
-                    %          %         %    m/s        m/s         m/s      1/m       1/m
-─────────────────────────────────────────────────────────────────────────────────────────────────
-room_10x15       75.0       12.5      12.5   0.74       0.80        0.50     0.54      0.08  0.70
-            40.9–92.9   2.2–47.1  2.2–47.1
-hall              100          0         0   0.90       0.90        0.25     0.39      0.06  0.83
-             67.6–100     0–32.4    0–32.4
+                                              mean   speed in  speed near  decele-  needless
+world          success  collision   timeout  speed  successes   obstacles  rations    decel.   SPL
+                     %          %         %    m/s        m/s         m/s      1/m       1/m
+──────────────────────────────────────────────────────────────────────────────────────────────────
+room_10x15        75.0       12.5      12.5   0.74       0.80        0.50     0.54      0.08  0.70
+             40.9–92.9   2.2–47.1  2.2–47.1
+hall             100.0        0.0       0.0   0.90       0.90        0.25     0.39      0.06  0.83
+            67.6–100.0   0.0–32.4  0.0–32.4
 One policy, 8 episodes a world; below the rates: 95 % Wilson intervals over the episodes.
 mean speed: all distance / all time, failures included; near obstacles: clearance < 1 m; needless: the way was clear
 ",
@@ -177,17 +177,17 @@ fn fewer_than_three_seeds_have_no_intervals() {
 reward    agent  world       success  collision  timeout  speed  successes   obstacles  rations    decel.   SPL
                                    %          %        %    m/s        m/s         m/s      1/m       1/m
 ───────────────────────────────────────────────────────────────────────────────────────────────────────────────
-R         DQN    room_10x15        0       12.5     87.5   0.40          –        0.50     1.75      0.25  0.00
-R         DQN    room_25x25        0       12.5     87.5   0.40          –        0.25     1.75      0.25  0.00
-R         DDQN   room_10x15      6.2       12.5     81.2   0.44      0.80*        0.50     1.51      0.22  0.06
-R         DDQN   room_25x25      6.2       12.5     81.2   0.46      0.90*        0.25     1.48      0.21  0.05
-R_couple  DQN    room_10x15     93.8        6.2        0   0.79       0.80        0.50     0.46      0.07  0.88
-R_couple  DQN    room_25x25     93.8        6.2        0   0.88       0.90        0.25     0.41      0.06  0.78
-R_couple  DDQN   room_10x15      100          0        0   0.80       0.80        0.50     0.44      0.06  0.94
-R_couple  DDQN   room_25x25      100          0        0   0.90       0.90        0.25     0.39      0.06  0.83
+R         DQN    room_10x15      0.0       12.5     87.5   0.40          –        0.50     1.75      0.25  0.00
+R         DQN    room_25x25      0.0       12.5     87.5   0.40          –        0.25     1.75      0.25  0.00
+R         DDQN   room_10x15      6.2       12.5     81.2   0.44    0.80 *1        0.50     1.51      0.22  0.06
+R         DDQN   room_25x25      6.2       12.5     81.2   0.46    0.90 *1        0.25     1.48      0.21  0.05
+R_couple  DQN    room_10x15     93.8        6.2      0.0   0.79       0.80        0.50     0.46      0.07  0.88
+R_couple  DQN    room_25x25     93.8        6.2      0.0   0.88       0.90        0.25     0.41      0.06  0.78
+R_couple  DDQN   room_10x15    100.0        0.0      0.0   0.80       0.80        0.50     0.44      0.06  0.94
+R_couple  DDQN   room_25x25    100.0        0.0      0.0   0.90       0.90        0.25     0.39      0.06  0.83
 Mean over 2 training seeds, 8 episodes each; no intervals below 3 seeds.
 mean speed: all distance / all time, failures included; near obstacles: clearance < 1 m; needless: the way was clear
-* undefined in some of the seeds; the mean is over the others
+*n: defined in n of the seeds only; the mean is over those
 ",
     );
 }
@@ -204,29 +204,29 @@ fn an_unfinished_grid_shows_what_there_is() {
     assert_text(
         &fixture.report().table(),
         "
-                                                                         mean   speed in  speed near   needless
-reward    agent  world       seeds   success  collision    timeout      speed  successes   obstacles     decel.
-                                           %          %          %        m/s        m/s         m/s        1/m
-───────────────────────────────────────────────────────────────────────────────────────────────────────────────
-R         DQN    room_10x15      0         –          –          –          –          –           –          –
+                                                                            mean   speed in  speed near   needless
+reward    agent  world       seeds      success  collision    timeout      speed  successes   obstacles     decel.
+                                              %          %          %        m/s        m/s         m/s        1/m
+──────────────────────────────────────────────────────────────────────────────────────────────────────────────────
+R         DQN    room_10x15      0            –          –          –          –          –           –          –
 
-R         DQN    room_25x25      0         –          –          –          –          –           –          –
+R         DQN    room_25x25      0            –          –          –          –          –           –          –
 
-R         DDQN   room_10x15      4      25.0       12.5       62.5       0.54      0.80*        0.50       0.17
-                                    6.2–50.0  12.5–12.5  37.5–81.2  0.44–0.65  0.80–0.80   0.50–0.50  0.11–0.22
-R         DDQN   room_25x25      4      25.0       12.5       62.5       0.57      0.90*        0.25       0.16
-                                    6.2–50.0  12.5–12.5  37.5–81.2  0.45–0.72  0.90–0.90   0.25–0.25  0.10–0.22
-R_couple  DQN    room_10x15      4      93.8        6.2          0       0.79       0.80        0.50       0.07
-                                    87.5–100     0–12.5        0–0  0.77–0.80  0.80–0.80   0.50–0.50  0.06–0.07
-R_couple  DQN    room_25x25      3      95.8        4.2          0       0.89       0.90        0.25       0.06
-                                    87.5–100     0–12.5        0–0  0.87–0.90  0.90–0.90   0.25–0.25  0.06–0.06
-R_couple  DDQN   room_10x15      3       100          0          0       0.80       0.80        0.50       0.06
-                                     100–100        0–0        0–0  0.80–0.80  0.80–0.80   0.50–0.50  0.06–0.06
-R_couple  DDQN   room_25x25      3       100          0          0       0.90       0.90        0.25       0.06
-                                     100–100        0–0        0–0  0.90–0.90  0.90–0.90   0.25–0.25  0.06–0.06
+R         DDQN   room_10x15      4         25.0       12.5       62.5       0.54    0.80 *3        0.50       0.17
+                                       6.2–50.0  12.5–12.5  37.5–81.2  0.44–0.65  0.80–0.80   0.50–0.50  0.11–0.22
+R         DDQN   room_25x25      4         25.0       12.5       62.5       0.57    0.90 *3        0.25       0.16
+                                       6.2–50.0  12.5–12.5  37.5–81.2  0.45–0.72  0.90–0.90   0.25–0.25  0.10–0.22
+R_couple  DQN    room_10x15      4         93.8        6.2        0.0       0.79       0.80        0.50       0.07
+                                     87.5–100.0   0.0–12.5    0.0–0.0  0.77–0.80  0.80–0.80   0.50–0.50  0.06–0.07
+R_couple  DQN    room_25x25      3         95.8        4.2        0.0       0.89       0.90        0.25       0.06
+                                     87.5–100.0   0.0–12.5    0.0–0.0  0.87–0.90  0.90–0.90   0.25–0.25  0.06–0.06
+R_couple  DDQN   room_10x15      3        100.0        0.0        0.0       0.80       0.80        0.50       0.06
+                                    100.0–100.0    0.0–0.0    0.0–0.0  0.80–0.80  0.80–0.80   0.50–0.50  0.06–0.06
+R_couple  DDQN   room_25x25      3        100.0        0.0        0.0       0.90       0.90        0.25       0.06
+                                    100.0–100.0    0.0–0.0    0.0–0.0  0.90–0.90  0.90–0.90   0.25–0.25  0.06–0.06
 Mean over the training seeds, 8 episodes each; below it: 95 % percentile bootstrap over the seeds.
 mean speed: all distance / all time, failures included; near obstacles: clearance < 1 m; needless: the way was clear
-* undefined in some of the seeds; the mean is over the others
+*n: defined in n of the seeds only; the mean is over those
 left out for want of room (see --format json or csv): decelerations_per_m, spl
 unfinished: 10 of 16 runs are complete
 ",

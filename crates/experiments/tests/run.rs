@@ -308,7 +308,7 @@ fn a_cell_that_means_something_else_is_refused_and_changes_nothing() {
     bench.succeed(&["run", "spec.toml", "--out", "other", "--set", "agent.gamma=0.9"]);
     // More seeds, episodes, worlds and levels are welcome.
     bench.succeed(&["run", "spec.toml", "--out", "out", "--set", "seeds.count=2", "--set", "evaluate.n_episodes=13"]);
-    let spec = REACH.to_owned() + "farther = { \"env.reach_radius\" = 4.0 }\n";
+    let spec = REACH.to_owned() + "farther = { \"env.reach_radius\" = 3.5 }\n";
     fs::write(bench.path("spec.toml"), spec).unwrap();
     bench.succeed(&["run", "spec.toml", "--out", "out", "--set", "seeds.count=2"]);
     // So is less, which is said.
@@ -407,9 +407,9 @@ fn every_run_is_listed_with_its_policy() {
     assert!(bench.fail(&["report", "out", "--runs", "--format", "csv"], 2).contains("cannot be used with"));
 }
 
-/// The drawing was written before a later world could fail.
+/// And a folder that does not exist is refused before anything is driven.
 #[test]
-fn a_drawing_is_written_when_all_has_gone_well() {
+fn a_drawing_is_of_the_first_world() {
     let world = "[[evaluate.worlds]]\nname = \"SECOND\"\ntime_limit = 20.0\nworld = { type = \"room_25x25\" }\n";
     let bench = Bench::of(REACH);
     bench.succeed(&["run", "spec.toml", "--out", "out"]);

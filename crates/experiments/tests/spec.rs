@@ -229,7 +229,7 @@ fn default_toml_holds_every_key_with_its_default() {
 fn shipped_grids_have_the_cells_they_promise() {
     assert_eq!(shipped("default.toml").n_runs(), 5);
     let quick: Vec<_> = shipped("quick.toml").cells.iter().map(headway_experiments::spec::Cell::label).collect();
-    assert_eq!(quick, ["arm=R", "arm=R_couple", "arm=recommended"]);
+    assert_eq!(quick, ["arm=R agent=DDQN", "arm=R_couple agent=DDQN", "arm=recommended agent=DDQN"]);
     assert_eq!(shipped("table1.toml").n_runs(), 4 * 2 * 2 * 10);
 }
 

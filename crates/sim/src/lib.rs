@@ -45,8 +45,9 @@ pub use shape::{Obstacle, Room, Shape};
 pub use vehicle::{Command, Motion, Vehicle, VehicleSpec, VehicleState};
 pub use world::{Outline, Proximity, Surface, World};
 
-// Points, poses and random streams in our signatures are theirs: whoever calls us needs the same versions.
+/// The linear algebra of our signatures ([`Pose`], [`Point`], [`Twist`]), so that callers use the same version.
 pub use nalgebra;
+/// The random numbers of our signatures ([`stream`], [`Interval::sample`]), so that callers use the same version.
 pub use rand;
 
 /// A position and yaw in the plane: translation in metres, rotation in radians.

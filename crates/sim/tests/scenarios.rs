@@ -222,18 +222,32 @@ fn layouts_do_not_depend_on_the_goal_rule_nor_the_vehicle() {
 }
 
 #[test]
-fn full_rooms_are_not_passed_over() {
-    // Drawing the number anew after a failure made nearly all rooms half empty.
+fn starts_and_goals_do_not_depend_on_how_the_layout_was_drawn() {
+    // Drawing a width from a range of no extent takes a number from the layout's random stream.
+    let empty = |width| RoomSpec { width, obstacles: Quantity::Count(0), ..RoomSpec::default() };
+    let build = |width| WorldSpec::Room(empty(width)).build(&disc(0.25)).unwrap();
+    let [fixed, drawn] = [build(Interval::Fixed(10.0)), build(Interval::Range([10.0, 10.0]))];
+    for k in 0..10 {
+        let [a, b] = [&fixed, &drawn].map(|source| source.scenario(3, k).unwrap());
+        assert_eq!((a.start, a.goal), (b.start, b.goal));
+    }
+}
+
+#[test]
+fn difficult_rooms_are_not_passed_over() {
+    // In the shorter rooms most pairs of places are too near each other. Drawing the size anew after such a
+    // failure made short rooms rare.
     let spec = RoomSpec {
-        obstacles: Quantity::Density(Interval::Range([0.0, 0.22])),
-        obstacle_radius: Interval::Fixed(0.4),
-        min_gap: 0.6,
+        width: Interval::Fixed(3.0),
+        height: Interval::Range([3.0, 7.0]),
+        obstacles: Quantity::Count(0),
+        start_goal_distance: 2.3,
         ..RoomSpec::default()
     };
-    let source = WorldSpec::Room(spec).build(&disc(0.1)).unwrap();
-    let counts: Vec<_> = (0..300).map(|k| source.scenario(0, k).map(|s| s.world.obstacles().len())).collect();
-    let full = counts.iter().filter(|count| count.as_ref().map_or(true, |n| *n > 16)).count();
-    assert!((120..180).contains(&full), "{full} of 300 should be about half");
+    let source = WorldSpec::Room(spec).build(&disc(0.25)).unwrap();
+    let heights: Vec<f64> = (0..400).map(|k| source.scenario(0, k).unwrap().world.room().height).collect();
+    let n_short = heights.iter().filter(|height| **height < 3.4).count();
+    assert!((28..52).contains(&n_short), "{n_short} of 400 should be about 40");
 }
 
 #[test]
@@ -310,6 +324,7 @@ fn what_would_take_for_ever_is_refused() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "a test of speed: two seconds in a release build")]
 fn rooms_of_ten_thousand_obstacles_are_placed_or_refused_in_time() {
     let room = |extent, kinds| RoomSpec {
         width: Interval::Fixed(extent),
@@ -324,7 +339,7 @@ fn rooms_of_ten_thousand_obstacles_are_placed_or_refused_in_time() {
         let built = WorldSpec::Room(RoomSpec { start_goal_distance: 1.0, ..room(extent, kinds) }).build(&disc(0.25));
         assert_eq!(built.is_ok(), fits, "{extent}: {:?}", built.err());
     }
-    assert!(begin.elapsed() < Duration::from_secs(120), "{:?}", begin.elapsed());
+    assert!(begin.elapsed() < Duration::from_secs(40), "{:?}", begin.elapsed());
 }
 
 #[test]

@@ -145,7 +145,8 @@ mod tests {
 estimated from short trials of 1 cell here, good to a factor of 2 where the machine is idle
                one core   all 4 cores
 training           50 s          20 s
-evaluation        1.7 min          43 s
+evaluation      1.7 min          43 s
+total           2.5 min          63 s
 ";
         assert_eq!(cost(&each, 5, 4), expected);
         assert!(

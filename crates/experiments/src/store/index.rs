@@ -90,9 +90,7 @@ impl Index {
                 index.check().map_err(unreadable(&path))?;
                 Ok(index)
             }
-            Err(error) if error.kind() == ErrorKind::NotFound && !root.exists() => {
-                Err(StoreError::NoFolder { folder: root.to_owned() })
-            }
+            Err(_) if !root.is_dir() => Err(StoreError::NoFolder { folder: root.to_owned() }),
             Err(error) if error.kind() == ErrorKind::NotFound => Err(StoreError::NoIndex { folder: root.to_owned() }),
             Err(error) => Err(at("read", &path)(error)),
         }
