@@ -74,6 +74,7 @@ fn check_list(field: &str, values: &[f64], low: f64, high: f64) -> Result<(), Fi
     if values.is_empty() {
         return Err(FieldError::new(field, "[]", "one number or more"));
     }
+    within(&format!("{field}.len"), values.len() as f64, 1.0, 1000.0)?;
     values.iter().enumerate().try_for_each(|(i, value)| {
         within(&format!("{field}.{i}"), *value, low, high).map_err(|mut error| {
             error.allowed += ", the vehicle's limits";

@@ -64,7 +64,7 @@ mod tests {
         assert_eq!(told("b.c = [1, 2]", "b.c = [1]"), "b.c is [1, 2] there, [1] here");
         assert_eq!(
             told("r.type = \"r\"\nr.x = 1.5", "r.type = \"sum\"\nr.y = 2"),
-            concat!("r.type is \"r\" there, \"sum\" here; r.x is 1.5 there, absent here; r.y is absent there, 2 here")
+            "r.type is \"r\" there, \"sum\" here; r.x is 1.5 there, absent here; r.y is absent there, 2 here"
         );
         assert!(told("a=1\nb=1\nc=1\nd=1\ne=1\nf=1", "a=2\nb=2\nc=2\nd=2\ne=2\nf=2").ends_with("; and 2 more"));
     }

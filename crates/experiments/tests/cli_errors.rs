@@ -61,6 +61,50 @@ fn rewards() {
 }
 
 #[test]
+fn the_docs_quote_what_is_said_of_a_plugin_that_is_not_linked() {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/plugins.md");
+    let docs = fs::read_to_string(docs).unwrap();
+    let spec =
+        docs.split("```toml\n").find(|block| block.starts_with("[reward]")).unwrap().split("```").next().unwrap();
+    let quote: Vec<&str> = docs.lines().filter_map(|line| line.strip_prefix("> ")).collect();
+    assert_refused(spec, &[], quote.join(" ").strip_prefix("error: ").unwrap());
+}
+
+/// Serde takes a sequence for the fields of a struct, in order: `seeds = [3, 2]` was seeds 3 and 4.
+#[test]
+fn arrays_are_no_tables() {
+    check_all(&[
+        (
+            "seeds = [3, 2]",
+            &[],
+            "spec.toml:1: seeds = [3, 2]: must be a table, not an array; seeds 3 and 4 are { first = 3, count = 2 }",
+        ),
+        (
+            "",
+            &["--set", "seeds=[]"],
+            "--set: seeds = []: must be a table, not an array; seeds 3 and 4 are { first = 3, count = 2 }",
+        ),
+        ("vehicle = []", &[], "spec.toml:1: vehicle = []: must be a table, not an array"),
+        (
+            "",
+            &["--set", "agent.epsilon=[1.0, 0.5, 0.3]"],
+            "--set: agent.epsilon = [1.0, 0.5, 0.3]: must be a table, not an array",
+        ),
+        ("[agent]\nloss = [\"mse\"]", &[], "spec.toml:2: agent.loss = [\"mse\"]: must be a table, not an array"),
+        (
+            "[[evaluate.worlds]]\nname = \"a\"\ntime_limit = 9\nworld = [\"room_10x15\"]",
+            &[],
+            "spec.toml:4: evaluate.worlds.0.world = [\"room_10x15\"]: must be a table, not an array",
+        ),
+        (
+            "axis = [[\"a\", { x = {} }]]",
+            &[],
+            "spec.toml:1: axis.0 = [\"a\", { x = {} }]: must be a table, not an array",
+        ),
+    ]);
+}
+
+#[test]
 fn keys_and_types() {
     check_all(&[
         (
@@ -126,6 +170,160 @@ fn numbers() {
              observation.mirror is on",
         ),
     ]);
+}
+
+/// Sizes without a bound ended in an abort or never.
+#[test]
+fn sizes() {
+    check_all(&[
+        ("[train]\nn_envs = 65537", &[], "spec.toml:2: train.n_envs = 65537: must be 1 to 65536"),
+        (
+            "[train]\nn_steps = 1_000_000_000_001",
+            &[],
+            "spec.toml:2: train.n_steps = 1000000000001: must be 10^12 or less",
+        ),
+        (
+            "[evaluate]\nn_episodes = 10_000_001",
+            &[],
+            "spec.toml:2: evaluate.n_episodes = 10000001: must be 1 to 10000000",
+        ),
+        (
+            "[agent]\nhidden = [64, 65537]",
+            &[],
+            "spec.toml:2: agent.hidden = [64, 65537]: must be at most 16 widths, each 1..=65_536",
+        ),
+        ("[agent]\nbatch_size = 1_000_001", &[], "spec.toml:2: agent.batch_size = 1000001: must be 1..=1_000_000"),
+        // 42 numbers, before and after, of 4 bytes each: 64 GiB are 204 522 252 transitions.
+        (
+            "[agent]\nreplay_capacity = 4_000_000_000",
+            &[],
+            "spec.toml:2: agent.replay_capacity = 4000000000: would need 1252 GiB of memory with 42 numbers in an \
+             observation; at most 64 GiB are allowed",
+        ),
+        (
+            "[agent]\nhidden = [65536, 65536]",
+            &[],
+            "spec.toml:2: agent.hidden = [65536, 65536]: would need 96 GiB of memory with 42 numbers in an observation; \
+             at most 64 GiB are allowed",
+        ),
+        (
+            "[agent]\nhidden = [65536]\nbatch_size = 1_000_000\nreplay_capacity = 1_000_000",
+            &[],
+            "spec.toml:3: agent.batch_size = 1000000: would need 489 GiB of memory with 42 numbers in an observation; \
+             at most 64 GiB are allowed",
+        ),
+        (
+            "seeds = { count = 500_001 }\n[[axis]]\nname = \"a\"\nlevels = { x = {}, y = {} }",
+            &[],
+            "spec.toml:1: seeds.count = 500001: must be 500000 or less: a spec may stand for 1000000 runs at most, cells x \
+             seeds",
+        ),
+        (
+            "seeds = { first = 9223372036854775807 }",
+            &[],
+            "spec.toml:1: seeds.first = 9223372036854775807: must leave every seed below 2^63",
+        ),
+    ]);
+    // Twenty axes of two levels are as many cells as there may be runs, and a few more.
+    let axes: String =
+        (0..20).map(|i| format!("[[axis]]\nname = \"{i}\"\nlevels = {{ x = {{}}, y = {{}} }}\n")).collect();
+    let problem = "spec.toml:1: axis: make 1048576 cells; a spec may stand for 1000000 runs at most";
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("spec.toml"), axes).unwrap();
+    let output = experiments(folder.path(), &["check", "spec.toml"]);
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(stderr.starts_with(&format!("error: {}", &problem[..17])) && stderr.contains(&problem[17..]), "{stderr}");
+}
+
+#[test]
+fn episodes_that_are_over_before_they_begin() {
+    check_all(&[
+        (
+            "[env]\ntime_limit = 0.1",
+            &[],
+            "spec.toml:2: env.time_limit = 0.1: must be vehicle.control_period, 0.2 s, or more",
+        ),
+        (
+            "[[evaluate.worlds]]\nname = \"a\"\ntime_limit = 0.1\nworld = { type = \"room_10x15\" }",
+            &[],
+            "spec.toml:3: evaluate.worlds.0.time_limit = 0.1: must be vehicle.control_period, 0.2 s, or more",
+        ),
+        (
+            "[env]\nreach_radius = 4",
+            &[],
+            "spec.toml:2: env.reach_radius = 4.0: must be below every room's start_goal_distance, which is 4 m in \
+             world.worlds.0.world",
+        ),
+        (
+            "[env]\nreach_radius = 4\n[world]\ntype = \"room_25x25\"",
+            &[],
+            "spec.toml:2: env.reach_radius = 4.0: must be below every room's start_goal_distance, which is 4 m in \
+             evaluate.worlds.0.world",
+        ),
+    ]);
+}
+
+/// `name` is a folder under `results/`: `../evil` was written beside it.
+#[test]
+fn names() {
+    let no_path = "must be the name of a folder, not a path: no `/`, no `\\`, not `.` or `..`";
+    for name in ["../evil", "/tmp/evil", "a/b", "..", "."] {
+        let set = format!("name={name}");
+        assert_refused("", &["--set", &set], &format!("--set: name = \"{name}\": {no_path}"));
+    }
+    check_all(&[
+        ("name = \" a\"", &[], "spec.toml:1: name = \" a\": must not begin or end with a blank"),
+        ("name = \"\"", &[], "spec.toml:1: name = \"\": must not be empty"),
+        (
+            "name = \"a\\u001bb\"",
+            &[],
+            "spec.toml:1: name = \"a\\u001Bb\": must not hold line breaks or other control characters",
+        ),
+        (
+            "",
+            &["--set", "evaluate.worlds.1.name=\"10x15 \""],
+            "--set: evaluate.worlds.1.name = \"10x15 \": must not begin or end with a blank",
+        ),
+        (
+            "[[axis]]\nname = \"a\"\nlevels = { \"x \" = {} }",
+            &[],
+            "spec.toml:3: axis.0.levels.x : the name must not begin or end with a blank",
+        ),
+    ]);
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("...toml"), "").unwrap();
+    let output = experiments(folder.path(), &["check", "...toml"]);
+    let expected = format!(
+        "error: ...toml: write a `name`: without one the spec is called after its file, \"..\", and that {no_path}\n"
+    );
+    assert_eq!(String::from_utf8_lossy(&output.stderr), expected);
+}
+
+/// A value that does not fit another one is often not the one that was changed.
+#[test]
+fn faults_that_take_two_values() {
+    let points = "[env]\nactions = { type = \"set_points\", speeds = [1.5], yaw_rates = [0.0] }\n";
+    let grid =
+        points.to_owned() + "[[axis]]\nname = \"v\"\nlevels = { fast = {}, slow = { \"vehicle.max_speed\" = 1 } }";
+    let problem = "spec.toml:2: env.actions.speeds.0 = 1.5: must be from 0 to 1, the vehicle's limits";
+    let set = ["--set", "vehicle.max_speed=1"];
+    let harmless = ["--set", "agent.gamma=0.5", "--set", "name=a"];
+    assert_refused(points, &set, &format!("{problem} (after --set vehicle.max_speed=1)"));
+    assert_refused(&grid, &set, &format!("{problem} (after --set vehicle.max_speed=1)"));
+    assert_refused(&grid, &harmless, &format!("{problem} (in the cell v=slow)"));
+    // The base's own fault needs neither.
+    let fast = points.replace("1.5", "2.5");
+    let problem = "spec.toml:2: env.actions.speeds.0 = 2.5: must be from 0 to 1.5, the vehicle's limits";
+    assert_refused(&fast, &harmless, problem);
+    // A level and an assignment together.
+    let grid =
+        "[[axis]]\nname = \"l\"\nlevels = { far = { \"lidar.max_range\" = 9 }, near = { \"lidar.max_range\" = 3 } }";
+    assert_refused(
+        grid,
+        &["--set", "lidar.min_range=4"],
+        "spec.toml:3 (axis \"l\", level \"near\"): lidar.max_range = 3.0: must be more than min_range = 4 (in the cell \
+         l=near, after --set lidar.min_range=4)",
+    );
 }
 
 #[test]
@@ -241,6 +439,11 @@ fn files() {
             "spec.toml:3: not valid TOML: duplicate key `gamma`; levels, like all keys, need names of their own",
         ),
         ("[agent\ngamma = 0.9", &[], "spec.toml:1: not valid TOML: unclosed table, expected `]`"),
+        (
+            "\nseeds = { first = 18446744073709551615, count = 1 }",
+            &[],
+            "spec.toml:2: seeds.first = 18446744073709551615: whole numbers reach from -2^63 to 2^63 - 1",
+        ),
     ]);
     let folder = TempDir::new().unwrap();
     let output = experiments(folder.path(), &["check", "missing.toml"]);
@@ -284,6 +487,30 @@ fn assignments() {
         ),
         ("", &["--set", "agent.gamma.x=1"], "--set: agent.gamma.x = 1: `agent.gamma` is one value and has no keys"),
         ("", &["--set", "agent.gamma=1.5"], "--set: agent.gamma = 1.5: must be in [0, 1]"),
+        ("", &["--set", "agent.gamma=.9"], "--set: agent.gamma = \".9\": must be a number; write 0.9"),
+        (
+            "",
+            &["--set", "world.worlds.1.world.width=.9"],
+            "--set: world.worlds.1.world.width = \".9\": expected a number or a range [low, high]; write 0.9",
+        ),
+        (
+            "",
+            &["--set", "agent.n_step=1e1"],
+            "--set: agent.n_step = 10.0: must be a whole number, 0 or above; write 10",
+        ),
+        ("", &["--set", "agent.reward_scale=1e-320"], "--set: agent.reward_scale = 1e-320: must be above 0"),
+        (
+            "",
+            &["--set", "seeds.first=18446744073709551615"],
+            "--set: seeds.first = \"18446744073709551615\": must be a whole number, 0 or above; the greatest is 2^63 - 1",
+        ),
+        ("", &["--set", "vehicle.footprint.type=box"], "--set: vehicle.footprint: the key `length` is missing"),
+        (
+            "",
+            &["--set", "seeds={first=18446744073709551615,count=1}"],
+            "invalid value 'seeds={first=18446744073709551615,count=1}' for '--set <PATH=VALUE>': seeds.first = \
+             18446744073709551615: whole numbers reach from -2^63 to 2^63 - 1\n\nFor more information, try '--help'.",
+        ),
         ("", &["--set", "agent.gamma=nan"], "--set: agent.gamma = nan: must be a finite number"),
         ("", &["--set", "agent.n_step=3x"], "--set: agent.n_step = \"3x\": must be a whole number, 0 or above"),
         (

@@ -163,6 +163,25 @@ fn assignments_come_last_and_reach_the_head() {
     }
 }
 
+/// `--set reward.type=r` kept the keys of the old type and was refused for them, in a place far away.
+#[test]
+fn another_type_alone_drops_the_keys_of_the_old_one() {
+    let grid = load(GRID, &["reward.type=r", "reward.reach=7", "agent.grad_clip={ type = 'norm', max = 1 }"]);
+    for cell in &grid.cells {
+        let lines = lines(&cell.spec);
+        for line in ["reward.type = \"r\"", "reward.reach = 7.0", "reward.collision = -100.0"] {
+            assert!(lines.contains(&line.to_owned()), "no {line} in {lines:?}");
+        }
+        assert!(!lines.iter().any(|line| line.starts_with("reward.terms")), "{lines:?}");
+    }
+    let grid = load("", &["agent.loss.type=mse", "world.type=room", "world.width=8"]);
+    let lines = lines(&grid.cells[0].spec);
+    assert!(
+        lines.contains(&"agent.loss.type = \"mse\"".into()) && lines.contains(&"world.width = 8.0".into()),
+        "{lines:?}"
+    );
+}
+
 #[test]
 fn a_file_without_axes_is_one_cell() {
     let grid = load("[agent]\ngamma = 0.9", &[]);

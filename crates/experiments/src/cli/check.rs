@@ -85,12 +85,11 @@ fn cost(cost: &Cost, n_runs: u64, n_cores: usize) -> String {
     // The last round of runs may leave cores idle.
     let n_rounds = n_runs.div_ceil(n_cores as u64) as f64;
     let mut text = format!(
-        "\nestimated from short trials of {} here, good to a factor of 2 where the machine is idle\n{:13}{:>10}",
-        counted(cost.n_cells as u64, "cell"),
-        "",
-        "one core"
+        "\nestimated from short trials of {} here, good to a factor of 2 where the machine is idle\n",
+        counted(cost.n_cells as u64, "cell")
     );
-    let _ = writeln!(text, "{:>14}", if n_cores > 1 { format!("all {n_cores} cores") } else { String::new() });
+    let all = if n_cores > 1 { format!("all {n_cores} cores") } else { String::new() };
+    let _ = writeln!(text, "{}", format!("{:13}{:>10}{all:>14}", "", "one core").trim_end());
     for (what, each, once) in [
         ("training", cost.training, 0.0),
         ("evaluation", cost.driving, cost.scenarios),
