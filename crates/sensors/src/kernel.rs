@@ -153,3 +153,27 @@ fn paint_edge(beams: &Beams, right: &Vector2<f64>, left: &Vector2<f64>, max_rang
 fn greater(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::beam_angles;
+    use headway_sim::{Kinds, RoomSpec, VehicleSpec, WorldSpec};
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn scans_do_not_depend_on_the_vector_instructions() {
+        let room = RoomSpec { kinds: Kinds { disc: 1.0, r#box: 1.0, polygon: 1.0 }, ..RoomSpec::default() };
+        let vehicle = VehicleSpec::default().build().unwrap();
+        let source = WorldSpec::Room(room).build(vehicle.footprint()).unwrap();
+        let beams = Beams::new(&beam_angles(360, TAU), true);
+        let mut painted = vec![[0.0; LANES]; beams.n_blocks()];
+        let mut plain = painted.clone();
+        for index in 0..50 {
+            let scenario = source.scenario(8, index).unwrap();
+            paint(&beams, &scenario.world, &scenario.start, 30.0, &mut painted);
+            paint_portable(&beams, &scenario.world, &scenario.start, 30.0, &mut plain);
+            assert_eq!(painted, plain);
+        }
+    }
+}
