@@ -3,6 +3,7 @@
 use headway_planning::Sensed;
 use headway_sensors::Lidar;
 use headway_sim::Vehicle;
+use headway_sim::nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 /// How observations are encoded.
@@ -114,7 +115,10 @@ impl Encoder {
     pub fn encode(&self, sensed: &Sensed<'_>, obs: &mut [f32]) -> Side {
         let n_beams = self.extents.len();
         assert_eq!(sensed.scan.len(), n_beams, "one range per beam");
-        let (distance, bearing) = sensed.goal_polar();
+        let to_goal = sensed.to_goal();
+        let distance = to_goal.norm();
+        // At the goal itself every bearing is right: straight ahead.
+        let ahead = if distance > 0.0 { to_goal / distance } else { Vector2::x() };
         let side = self.side(sensed);
         let (ranges, others) = obs.split_at_mut(n_beams);
         self.encode_ranges(sensed.scan, ranges);
@@ -125,8 +129,8 @@ impl Encoder {
         let left = if side == Side::Mirrored { -1.0 } else { 1.0 };
         let entries = [
             distance / (distance + Self::FAR),
-            bearing.cos(),
-            left * bearing.sin(),
+            ahead.x,
+            left * ahead.y,
             distance.min(Self::NEAR) / Self::NEAR,
             sensed.twist.x / self.max_speed,
             left * sensed.twist.z / self.max_yaw_rate,

@@ -55,6 +55,9 @@ pub enum EnvError {
         /// The number here.
         expected: usize,
     },
+    /// Threads that could not be started.
+    #[error("cannot start the environments' threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
     /// A stream that could not be written.
     #[error("cannot write the environment's state: {0}")]
     Write(#[from] rmp_serde::encode::Error),

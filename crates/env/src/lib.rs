@@ -24,6 +24,7 @@ mod error;
 mod mdp;
 mod nav_env;
 mod navigator;
+mod shard;
 mod spec;
 
 pub use actions::{ActionSet, ActionSpec};

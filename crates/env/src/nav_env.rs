@@ -1,20 +1,23 @@
 //! Many vehicles in lock-step.
 
 use std::io::{Read, Write};
+use std::num::NonZeroUsize;
 use std::sync::Arc;
 
 use headway_planning::Sensed;
 use headway_sim::Command;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::{Deserialize, Serialize};
 
 use crate::error::check_len;
 use crate::navigator::NavigatorState;
+use crate::shard::{Episodes, Shard};
 use crate::{Env, EnvError, Mdp, Navigator, Step, StepEnd};
 
 /// Independent navigators of one MDP behind [`Env`].
 ///
 /// Copy `i` of `n` drives in the scenarios `i`, `i + n`, `i + 2 n`, ... of the seed: which scenario comes
-/// next does not depend on what the other copies do.
+/// next does not depend on what the other copies do. A step allocates no memory but for new episodes.
 #[derive(Debug, Clone)]
 pub struct NavEnv {
     mdp: Arc<Mdp>,
@@ -24,6 +27,8 @@ pub struct NavEnv {
     navigators: Vec<Navigator>,
     /// The scenario that each copy drives in.
     scenarios: Vec<u64>,
+    /// The threads that step; none where the caller's own does.
+    threads: Option<Arc<ThreadPool>>,
 }
 
 /// What [`Env::save`] writes.
@@ -38,7 +43,36 @@ impl NavEnv {
     /// `n_envs` copies of an MDP, to be reset before the first step.
     #[must_use]
     pub fn new(mdp: Arc<Mdp>, n_envs: usize) -> Self {
-        Self { mdp, n_envs, seed: 0, navigators: Vec::new(), scenarios: Vec::new() }
+        Self { mdp, n_envs, seed: 0, navigators: Vec::new(), scenarios: Vec::new(), threads: None }
+    }
+
+    /// The same environments, stepped by `n_threads` threads. The results are the same for any number of them.
+    ///
+    /// Pays from some 64 copies on; see `docs/benchmarks.md`. Where many runs go on side by side, leave it at one.
+    ///
+    /// # Errors
+    /// If the threads cannot be started.
+    ///
+    /// ```
+    /// use headway_env::{Env, NavEnv, NavSpec, Step};
+    /// use std::num::NonZeroUsize;
+    /// let alone = NavEnv::new(NavSpec::default().build()?, 64);
+    /// let sharded = alone.clone().on_threads(NonZeroUsize::new(2).unwrap())?;
+    /// let steps = [alone, sharded].map(|mut env| {
+    ///     let mut step = Step::new(64, env.obs_dim());
+    ///     env.reset(0, &mut step.obs).unwrap();
+    ///     env.step(&[4; 64], &mut step).unwrap();
+    ///     step
+    /// });
+    /// assert_eq!(steps[0], steps[1]);
+    /// # Ok::<(), headway_env::EnvError>(())
+    /// ```
+    pub fn on_threads(mut self, n_threads: NonZeroUsize) -> Result<Self, EnvError> {
+        self.threads = match n_threads.get() {
+            1 => None,
+            n => Some(Arc::new(ThreadPoolBuilder::new().num_threads(n).build()?)),
+        };
+        Ok(self)
     }
 
     /// The MDP.
@@ -74,29 +108,16 @@ impl NavEnv {
     fn step_all(
         &mut self,
         out: &mut Step,
-        mut advance: impl FnMut(&mut Navigator, usize) -> Result<StepEnd, EnvError>,
+        advance: impl Fn(&mut Navigator, usize) -> Result<StepEnd, EnvError> + Sync,
     ) -> Result<(), EnvError> {
         check_len("reset environments", self.navigators.len(), self.n_envs)?;
-        let dim = self.obs_dim();
-        out.check(self.n_envs, dim)?;
-        for index in 0..self.n_envs {
-            let navigator = &mut self.navigators[index];
-            let end = advance(navigator, index)?;
-            out.rewards[index] = end.reward as f32;
-            out.terminated[index] = end.terminated;
-            out.truncated[index] = end.truncated;
-            out.events[index] = end.event;
-            let row = index * dim..(index + 1) * dim;
-            navigator.observe(&mut out.next_obs[row.clone()]);
-            if end.terminated || end.truncated {
-                self.scenarios[index] += self.n_envs as u64;
-                *navigator = Navigator::new(Arc::clone(&self.mdp), self.seed, self.scenarios[index])?;
-                navigator.observe(&mut out.obs[row]);
-            } else {
-                out.obs[row.clone()].copy_from_slice(&out.next_obs[row]);
-            }
+        out.check(self.n_envs, self.mdp.obs_dim())?;
+        let episodes = Episodes { mdp: &self.mdp, seed: self.seed, stride: self.n_envs as u64 };
+        let shard = Shard::all(&mut self.navigators, &mut self.scenarios, out);
+        match &self.threads {
+            Some(threads) => threads.install(|| shard.step_on_threads(episodes, &advance)),
+            None => shard.step(episodes, &advance),
         }
-        Ok(())
     }
 }
 

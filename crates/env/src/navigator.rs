@@ -38,7 +38,7 @@ pub(crate) struct NavigatorState {
 
 /// One moment in plain numbers: what becomes a reward's [`State`].
 #[derive(Debug, Clone, Serialize, Deserialize)]
-struct Facts {
+pub(crate) struct Facts {
     speed: f64,
     yaw_rate: f64,
     goal_distance: f64,
@@ -78,29 +78,31 @@ impl Navigator {
     /// # Errors
     /// If the agent does not steer and no route leads to the goal.
     pub fn in_scenario(mdp: Arc<Mdp>, scenario: Scenario, seed: u64, index: u64) -> Result<Self, EnvError> {
-        let vehicle = VehicleState::at_rest(scenario.start);
-        let facts = Facts::new(mdp.lidar.beam_angles().len());
-        let state = NavigatorState {
-            goal: scenario.goal,
-            route: mdp.plan_route(&scenario.world, &scenario.start.translation.vector.into(), &scenario.goal)?,
-            scenario,
-            vehicle,
-            before: facts.clone(),
-            after: facts,
-            command: Command::default(),
-            event: None,
-            distance: 0.0,
-            duration: 0.0,
-            n_steps: 0,
-            noise: stream(seed, "noise", index),
-            goals: stream(seed, "goals", index),
-        };
+        let facts = || Facts::new(mdp.lidar.beam_angles().len());
+        let state = NavigatorState::at_start(&mdp, scenario, seed, index, facts(), facts())?;
         let mut navigator = Self { mdp, state };
-        let footprint = navigator.mdp.vehicle.footprint();
-        let proximity = navigator.state.scenario.world.proximity(footprint, &vehicle.pose);
-        navigator.look(&proximity);
-        navigator.state.before.clone_from(&navigator.state.after);
+        navigator.look_from_start();
         Ok(navigator)
+    }
+
+    /// As [`Self::new`] of the same MDP, in the same memory.
+    ///
+    /// # Errors
+    /// If the scenario cannot be made.
+    pub fn restart(&mut self, seed: u64, index: u64) -> Result<(), EnvError> {
+        let scenario = self.mdp.source.scenario(seed, index)?;
+        let [before, after] = [&mut self.state.before, &mut self.state.after].map(Facts::take);
+        self.state = NavigatorState::at_start(&self.mdp, scenario, seed, index, before, after)?;
+        self.look_from_start();
+        Ok(())
+    }
+
+    /// The first look, which stands for the state before the first step too.
+    fn look_from_start(&mut self) {
+        let footprint = self.mdp.vehicle.footprint();
+        let proximity = self.state.scenario.world.proximity(footprint, &self.state.vehicle.pose);
+        self.look(&proximity);
+        self.state.before.clone_from(&self.state.after);
     }
 
     /// Takes an action of the MDP's set, chosen on the present observation.
@@ -125,11 +127,12 @@ impl Navigator {
     /// # Errors
     /// If a new goal is due and none can be found.
     pub fn drive(&mut self, command: Command) -> Result<StepEnd, EnvError> {
-        // The last step's `after` still shows the goal of that step; a new one may be in force since.
-        let (goal_distance, goal_bearing) = self.sensed().goal_polar();
+        if self.state.n_steps == 0 {
+            // The last step's `after` still shows the goal of that step; a new one may be in force since.
+            (self.state.after.goal_distance, self.state.after.goal_bearing) = self.sensed().goal_polar();
+        }
         let state = &mut self.state;
         std::mem::swap(&mut state.before, &mut state.after);
-        (state.before.goal_distance, state.before.goal_bearing) = (goal_distance, goal_bearing);
         let motion = self.mdp.vehicle.step(&state.scenario.world, &mut state.vehicle, command);
         state.command = command;
         state.distance = motion.distance;
@@ -253,7 +256,40 @@ impl Navigator {
     }
 }
 
+impl NavigatorState {
+    /// At rest at the start, before the first look.
+    fn at_start(
+        mdp: &Mdp,
+        scenario: Scenario,
+        seed: u64,
+        index: u64,
+        before: Facts,
+        after: Facts,
+    ) -> Result<Self, EnvError> {
+        Ok(Self {
+            goal: scenario.goal,
+            route: mdp.plan_route(&scenario.world, &scenario.start.translation.vector.into(), &scenario.goal)?,
+            vehicle: VehicleState::at_rest(scenario.start),
+            scenario,
+            before,
+            after,
+            command: Command::default(),
+            event: None,
+            distance: 0.0,
+            duration: 0.0,
+            n_steps: 0,
+            noise: stream(seed, "noise", index),
+            goals: stream(seed, "goals", index),
+        })
+    }
+}
+
 impl Facts {
+    /// The same memory, emptied of what it held but for the scan.
+    fn take(&mut self) -> Self {
+        Self { scan: std::mem::take(&mut self.scan), ..Self::new(0) }
+    }
+
     fn new(n_beams: usize) -> Self {
         Self {
             speed: 0.0,

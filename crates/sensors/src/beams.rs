@@ -50,12 +50,14 @@ impl Beams {
     }
 
     /// All blocks.
+    #[inline(always)]
     fn whole(&self) -> Span {
         [0..self.n_blocks(), 0..0]
     }
 
     /// Blocks that hold every beam between the directions of two points, counter-clockwise from the first; they may hold
     /// more.
+    #[inline(always)]
     pub(crate) fn between(&self, right: [f32; 2], left: [f32; 2]) -> Span {
         if self.n_blocks() <= Self::WHOLE {
             return self.whole();
@@ -69,6 +71,7 @@ impl Beams {
     }
 
     /// Blocks that hold every beam that may hit a disc; they may hold more.
+    #[inline(always)]
     pub(crate) fn around(&self, center: [f32; 2], distance: f32, radius: f32) -> Span {
         if self.n_blocks() <= Self::WHOLE {
             return self.whole();
@@ -81,10 +84,11 @@ impl Beams {
     }
 
     /// Blocks that hold every beam from one angle to another, at most a turn and a half apart.
+    #[inline(always)]
     fn span(&self, from: f32, to: f32) -> Span {
         let index = |angle: f32| (angle - self.first_angle) * self.per_radian;
-        let first = index(from - Self::SLACK).ceil() as i32;
-        let last = index(to + Self::SLACK).floor() as i32;
+        let first = floor(index(from - Self::SLACK)) + 1;
+        let last = floor(index(to + Self::SLACK));
         if last < first {
             return [0..0, 0..0];
         }
@@ -105,8 +109,16 @@ impl Beams {
     }
 }
 
+/// The greatest integer not above `x`, without a call into the mathematics library.
+#[inline(always)]
+fn floor(x: f32) -> i32 {
+    let truncated = x as i32;
+    truncated - i32::from(truncated as f32 > x)
+}
+
 /// The angle of a direction in (-pi, pi], within 1.5e-3 (Rajan et al. 2006, "Efficient approximations for the arctangent
 /// function", eq. 9).
+#[inline(always)]
 fn atan2(y: f32, x: f32) -> f32 {
     use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
     let (ax, ay) = (x.abs(), y.abs());

@@ -46,11 +46,9 @@ fn paint_avx2(beams: &Beams, world: &World, pose: &Pose, max_range: f64, inverse
 #[inline(always)]
 fn paint_portable(beams: &Beams, world: &World, pose: &Pose, max_range: f64, inverse: &mut [[f32; LANES]]) {
     paint_walls(beams, world, pose, inverse);
-    for index in 0..world.obstacles().len() {
+    for index in world.obstacles_near(&Point::from(pose.translation.vector), max_range) {
         match world.outline(Surface::Obstacle(index)) {
-            Outline::Disc { center, radius } => {
-                paint_disc(beams, &to_sensor(pose, &center), radius, max_range, inverse);
-            }
+            Outline::Disc { center, radius } => paint_disc(beams, &to_sensor(pose, &center), radius, inverse),
             Outline::Polygon(corners) => paint_polygon(beams, corners, pose, max_range, inverse),
             Outline::Wall(_) => {}
         }
@@ -87,12 +85,8 @@ fn paint_walls(beams: &Beams, world: &World, pose: &Pose, inverse: &mut [[f32; L
 
 /// A disc: with its centre `b` along and `s` beside the beam, `1 / range = (b + sqrt(r^2 - s^2)) / (d^2 - r^2)`.
 #[inline(always)]
-fn paint_disc(beams: &Beams, center: &Vector2<f64>, radius: f64, max_range: f64, inverse: &mut [[f32; LANES]]) {
+fn paint_disc(beams: &Beams, center: &Vector2<f64>, radius: f64, inverse: &mut [[f32; LANES]]) {
     let squared = center.norm_squared();
-    let reach = max_range + radius;
-    if squared > reach * reach {
-        return;
-    }
     let scale = (1.0 / (squared - radius * radius).max(1e-9)) as f32;
     let (x, y, r_squared) = (center.x as f32, center.y as f32, (radius * radius) as f32);
     for run in beams.around([x, y], squared.sqrt() as f32, radius as f32) {

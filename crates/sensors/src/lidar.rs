@@ -126,19 +126,24 @@ impl Lidar {
     /// If `ranges` does not hold one number per beam.
     pub fn scan(&self, world: &World, pose: &Pose, rng: &mut impl RngExt, ranges: &mut [f32]) {
         assert_eq!(ranges.len(), self.beam_angles.len(), "one range per beam");
-        let n_blocks = self.beams.n_blocks();
-        let (mut few, mut many) = ([[0.0; LANES]; 4], Vec::new());
-        let inverse = few.get_mut(..n_blocks).unwrap_or_else(|| {
-            many.resize(n_blocks, [0.0; LANES]);
-            &mut many
-        });
+        match self.beams.n_blocks() {
+            0..=4 => self.measure(world, pose, &mut [[0.0; LANES]; 4], ranges),
+            5..=32 => self.measure(world, pose, &mut [[0.0; LANES]; 32], ranges),
+            33..=256 => self.measure(world, pose, &mut [[0.0; LANES]; 256], ranges),
+            n => self.measure(world, pose, &mut vec![[0.0; LANES]; n], ranges),
+        }
+        if self.spec.noise > 0.0 || self.spec.dropout > 0.0 {
+            self.disturb(rng, ranges);
+        }
+    }
+
+    /// The ranges without noise, by way of inverse ranges in `scratch`, which has a block for every block of beams or more.
+    fn measure(&self, world: &World, pose: &Pose, scratch: &mut [[f32; LANES]], ranges: &mut [f32]) {
+        let inverse = &mut scratch[..self.beams.n_blocks()];
         paint(&self.beams, world, pose, self.spec.max_range, inverse);
         let (min_range, max_range) = (self.spec.min_range as f32, self.spec.max_range as f32);
         for (range, inverse) in ranges.iter_mut().zip(inverse.as_flattened()) {
             *range = (1.0 / inverse).clamp(min_range, max_range);
-        }
-        if self.spec.noise > 0.0 || self.spec.dropout > 0.0 {
-            self.disturb(rng, ranges);
         }
     }
 

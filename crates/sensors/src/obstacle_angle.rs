@@ -70,9 +70,8 @@ impl ObstacleAngle {
     #[must_use]
     pub fn measure(&self, world: &World, pose: &Pose, twist: &Twist, proximity: &Proximity) -> Option<f64> {
         let surface = self.nearest(proximity)?;
-        let origin = Point::from(pose.translation.vector);
-        let direction = pose.rotation.angle() + direction_of_motion(twist);
-        Some(angle_between(direction, bearings(&world.outline(surface), &origin)))
+        let in_frame = |point: &Point| pose.inverse_transform_point(point).coords;
+        Some(angle_between(direction_of_motion(twist), bearings(&world.outline(surface), in_frame)))
     }
 
     /// The obstacle angle as a vehicle can tell it from a scan alone, radians.
@@ -125,7 +124,11 @@ impl ObstacleAngle {
 /// 1 mm/s, where the direction of a measured velocity means nothing.
 #[must_use]
 pub fn direction_of_motion(twist: &Twist) -> f64 {
-    if twist.xy().norm() > 1e-3 { twist.y.atan2(twist.x) } else { 0.0 }
+    match (twist.x, twist.y) {
+        (x, 0.0) if x >= 0.0 => 0.0, // as most often
+        (x, y) if x.hypot(y) > 1e-3 => y.atan2(x),
+        _ => 0.0,
+    }
 }
 
 /// The unsigned angle from a direction to the nearer end of an interval of directions given as its middle
@@ -134,30 +137,35 @@ fn angle_between(direction: f64, (middle, half_width): (f64, f64)) -> f64 {
     (wrap(direction - middle).abs() - half_width).max(0.0)
 }
 
-/// The interval of directions, in the world's frame, that an outline covers as seen from `origin`: its
-/// middle and its half-width. From within, all directions.
-fn bearings(outline: &Outline<'_>, origin: &Point) -> (f64, f64) {
+/// The interval of directions that an outline covers as seen from the origin of a frame, into which `in_frame` takes
+/// points: its middle and its half-width. From within, all directions.
+fn bearings(outline: &Outline<'_>, in_frame: impl Fn(&Point) -> Vector2<f64>) -> (f64, f64) {
     match outline {
         Outline::Disc { center, radius } => {
-            let to: Vector2<f64> = center - origin;
+            let to = in_frame(center);
             let ratio = radius / to.norm();
             (to.y.atan2(to.x), if ratio < 1.0 { ratio.asin() } else { PI })
         }
-        Outline::Polygon(corners) => corner_bearings(corners, origin),
-        Outline::Wall(ends) => corner_bearings(ends, origin),
+        Outline::Polygon(corners) => corner_bearings(corners, in_frame),
+        Outline::Wall(ends) => corner_bearings(ends, in_frame),
     }
 }
 
-fn corner_bearings(corners: &[Point], origin: &Point) -> (f64, f64) {
-    let bearing = |corner: &Point| (corner.y - origin.y).atan2(corner.x - origin.x);
+fn corner_bearings(corners: &[Point], in_frame: impl Fn(&Point) -> Vector2<f64>) -> (f64, f64) {
+    let bearing = |corner: &Point| {
+        let to = in_frame(corner);
+        to.y.atan2(to.x)
+    };
     let first = bearing(&corners[0]);
-    let (mut low, mut high, mut turned) = (0.0_f64, 0.0_f64, 0.0);
-    for pair in corners.windows(2) {
-        turned += wrap(bearing(&pair[1]) - bearing(&pair[0]));
+    let (mut before, mut low, mut high, mut turned) = (first, 0.0_f64, 0.0_f64, 0.0);
+    for corner in &corners[1..] {
+        let here = bearing(corner);
+        turned += wrap(here - before);
         low = low.min(turned);
         high = high.max(turned);
+        before = here;
     }
-    let closing = corners.len() > 2 && (turned + wrap(first - bearing(&corners[corners.len() - 1]))).abs() > PI;
+    let closing = corners.len() > 2 && (turned + wrap(first - before)).abs() > PI;
     if closing {
         return (first, PI); // the corners go all the way round the origin
     }

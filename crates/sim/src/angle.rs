@@ -12,6 +12,9 @@ use std::f64::consts::{PI, TAU};
 /// ```
 #[must_use]
 pub fn wrap(angle: f64) -> f64 {
+    if angle > -PI && angle <= PI {
+        return angle;
+    }
     let turned = angle.rem_euclid(TAU);
     if turned > PI { turned - TAU } else { turned }
 }

@@ -18,13 +18,29 @@ use crate::Pose;
 /// assert!((end.rotation.angle() - FRAC_PI_2).abs() < 1e-12);
 /// ```
 #[must_use]
+#[inline]
 pub fn arc(pose: &Pose, speed: f64, yaw_rate: f64, time: f64) -> Pose {
     let half = yaw_rate * time / 2.0;
-    let (sin, cos) = half.sin_cos();
-    let sinc = if half.abs() < 1e-4 { 1.0 - half * half / 6.0 } else { sin / half };
+    let (sinc, cos) = sinc_cos(half);
+    let sin = half * sinc;
     let chord = pose.rotation * Vector2::new(cos, sin) * (speed * time * sinc);
     let turn = UnitComplex::from_cos_sin_unchecked(cos * cos - sin * sin, 2.0 * sin * cos);
     Pose::from_parts((pose.translation.vector + chord).into(), pose.rotation * turn)
+}
+
+/// `sin(x) / x` and `cos(x)`: by their power series for the small turns of a substep, which is several times faster.
+fn sinc_cos(x: f64) -> (f64, f64) {
+    // The first terms left out are below 2e-19.
+    const MOST: f64 = 0.06;
+    const SINC: [f64; 5] = [1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0];
+    const COS: [f64; 5] = [1.0, -0.5, 1.0 / 24.0, -1.0 / 720.0, 1.0 / 40_320.0];
+    if x.abs() > MOST {
+        let (sin, cos) = x.sin_cos();
+        return (sin / x, cos);
+    }
+    let square = x * x;
+    let horner = |coefficients: &[f64; 5]| coefficients.iter().rev().fold(0.0, |sum, c| sum * square + c);
+    (horner(&SINC), horner(&COS))
 }
 
 #[cfg(test)]
@@ -33,6 +49,13 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
+        #[test]
+        fn the_series_are_as_good_as_the_functions(x in -0.07..0.07_f64) {
+            let (sinc, cos) = sinc_cos(x);
+            prop_assert!((sinc * x - x.sin()).abs() <= x.abs() * 2.0 * f64::EPSILON);
+            prop_assert!((cos - x.cos()).abs() <= f64::EPSILON);
+        }
+
         #[test]
         fn arcs_compose(v in -2.0..2.0, w in -3.0..3.0, t in 0.0..2.0, share in 0.0..1.0) {
             let start = Pose::new([1.0, -2.0].into(), 0.7);

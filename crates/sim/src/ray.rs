@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 use crate::world::nearest_on_wall;
-use crate::{Point, Pose, World, wrap};
+use crate::{Point, Pose, World};
 
 impl World {
     /// The distance from `origin` along the unit vector `direction` to the first surface, exact, at
@@ -33,9 +33,11 @@ impl World {
             }
         };
         let wall = along(origin.x, room.width, direction.x).min(along(origin.y, room.height, direction.y));
-        let solids = self.solids().iter().filter_map(|solid| solid.cast(origin, direction));
         // `max` and `min` pass over what is not a number.
-        solids.fold(wall.min(max_range.max(0.0)), f64::min)
+        let range = wall.min(max_range.max(0.0));
+        let ranges =
+            self.obstacles_near(origin, range).filter_map(|index| self.solids()[index].cast(origin, direction));
+        ranges.fold(range, f64::min)
     }
 
     /// The distance from a pose's origin to the nearest surface within `half_angle` to both sides of
@@ -47,18 +49,14 @@ impl World {
     #[must_use]
     pub fn sector_range(&self, pose: &Pose, half_angle: f64) -> f64 {
         let origin = Point::from(pose.translation.vector);
-        let yaw = pose.rotation.angle();
-        let side = |angle: f64| {
-            let (sin, cos) = (yaw + angle).sin_cos();
-            self.cast_ray(&origin, &Vector2::new(cos, sin), f64::INFINITY)
-        };
-        let nearest_on_solids = self.solids().iter().map(|solid| solid.nearest(&origin));
-        let nearest_on_walls = self.walls().map(|wall| nearest_on_wall(&wall, &origin));
-        nearest_on_solids
-            .chain(nearest_on_walls)
-            .map(|point| point - origin)
-            .filter(|to| wrap(to.y.atan2(to.x) - yaw).abs() <= half_angle)
-            .map(|to| to.norm())
-            .fold(side(-half_angle).min(side(half_angle)), f64::min)
+        let ahead = pose.rotation * Vector2::x();
+        let (sin, cos) = half_angle.sin_cos();
+        let side = |sin: f64| self.cast_ray(&origin, &(pose.rotation * Vector2::new(cos, sin)), f64::INFINITY);
+        let reach = side(-sin).min(side(sin));
+        let on_solids = self.obstacles_near(&origin, reach).map(|index| self.solids()[index].nearest(&origin));
+        let on_walls = self.walls().map(|wall| nearest_on_wall(&wall, &origin));
+        let in_sector = |to: &Vector2<f64>| ahead.dot(to) >= cos * to.norm();
+        let ranges = on_solids.chain(on_walls).map(|nearest| nearest - origin).filter(in_sector).map(|to| to.norm());
+        ranges.fold(reach, f64::min)
     }
 }

@@ -161,14 +161,17 @@ impl Vehicle {
         let proximity = world.proximity(&self.footprint, &state.pose);
         let duration = self.spec.control_period;
         let unhurt = Motion { distance, duration, collided: false, proximity };
-        if proximity.clearance() > reach {
-            // No point of the outline moved further than what is now free around it.
+        // No point of the outline moved further than what was free around it before, and is now, together: wherever on the
+        // way it was, the nearer of the two ends vouches for it. Most often what is free now is enough.
+        let free_now = proximity.clearance();
+        if free_now > reach || free_now > 0.0 && free_now + world.clearance(&self.footprint, &start.pose) > reach {
             return unhurt;
         }
         self.first_contact(world, start, command, state).unwrap_or(unhurt)
     }
 
     /// One substep of the linear approach to the command: the mean speed and yaw rate over it.
+    #[inline]
     fn accelerate(&self, twist: &mut Twist, command: Command) -> Stretch {
         let spec = &self.spec;
         let h = spec.control_period / spec.n_substeps as f64;

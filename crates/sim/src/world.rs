@@ -1,13 +1,14 @@
 //! What stands where, and how near it is.
 
 mod buckets;
+mod circles;
 mod solid;
 mod surface;
 
 use serde::{Deserialize, Serialize};
 
 use crate::{Footprint, Obstacle, Point, Pose, Room, SimError};
-use buckets::Buckets;
+use circles::Circles;
 use solid::Solid;
 
 pub(crate) use solid::nearest_on_wall;
@@ -22,7 +23,8 @@ pub struct World {
     room: Room,
     obstacles: Vec<Obstacle>,
     solids: Vec<Solid>,
-    buckets: Buckets,
+    /// Around each solid.
+    circles: Circles,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -69,15 +71,16 @@ impl World {
     /// A room in which about `n_obstacles` are going to stand.
     pub(crate) fn empty(room: Room, n_obstacles: usize) -> Result<Self, SimError> {
         room.check()?;
-        let buckets = Buckets::new(&room, n_obstacles);
-        Ok(Self { room, obstacles: Vec::new(), solids: Vec::new(), buckets })
+        let circles = Circles::new(&room, n_obstacles);
+        let (obstacles, solids) = (Vec::with_capacity(n_obstacles), Vec::with_capacity(n_obstacles));
+        Ok(Self { room, obstacles, solids, circles })
     }
 
     /// Adds a checked obstacle.
     pub(crate) fn push(&mut self, obstacle: Obstacle) {
         let solid = Solid::new(&obstacle);
         let (center, radius) = solid.bounding_circle();
-        self.buckets.insert(self.solids.len(), &center, radius);
+        self.circles.push(&center, radius);
         self.solids.push(solid);
         self.obstacles.push(obstacle);
     }
@@ -151,11 +154,8 @@ impl World {
     pub(crate) fn has_room(&self, footprint: &Footprint, pose: &Pose, least: f64) -> bool {
         let center = Point::from(pose.translation.vector);
         let reach = footprint.circumradius() + least;
-        let is_far = |index: usize| {
-            let solid = &self.solids[index];
-            solid.bound(&center) >= reach || solid.clearance(footprint, pose) >= least
-        };
-        self.wall_clearance(footprint, pose).1 >= least && self.buckets.near(&center, reach).all(is_far)
+        self.wall_clearance(footprint, pose).1 >= least
+            && self.obstacles_near(&center, reach).all(|index| self.solids[index].clearance(footprint, pose) >= least)
     }
 
     /// Whether a point has at least `least` metres of room around it.
@@ -163,25 +163,62 @@ impl World {
         self.has_room(&Footprint::disc(0.0), &Pose::translation(point.x, point.y), least)
     }
 
+    /// Whether all gaps, between obstacles and between obstacles and walls, are wider than `width`, metres.
+    ///
+    /// A disc of this diameter, wherever it is free, can then get to wherever else it is free: grown by its radius, the
+    /// obstacles are convex, apart from each other and from the walls, and so divide the room nowhere.
+    pub(crate) fn has_gaps_above(&self, width: f64) -> bool {
+        let is_apart = |index: usize, solid: &Solid| {
+            let (center, radius) = solid.bounding_circle();
+            let outline = Footprint::of_obstacle(&self.obstacles[index].shape);
+            self.wall_clearance(&outline, &self.obstacles[index].pose()).1 > width
+                && self
+                    .obstacles_near(&center, radius + width)
+                    .all(|other| other >= index || self.solids[other].gap(solid) > width)
+        };
+        self.solids.iter().enumerate().all(|(index, solid)| is_apart(index, solid))
+    }
+
     /// The nearest wall and the nearest obstacle, with the signed distances to them.
     #[must_use]
     pub fn proximity(&self, footprint: &Footprint, pose: &Pose) -> Proximity {
         let wall = self.wall_clearance(footprint, pose);
-        let mut nearest: Option<(usize, f64)> = None;
-        if wall.1.is_nan() {
-            return Proximity { wall, obstacle: None };
-        }
-        let center = Point::from(pose.translation.vector);
-        for (index, solid) in self.solids.iter().enumerate() {
-            let best = nearest.map_or(f64::INFINITY, |(_, clearance)| clearance);
-            if solid.bound(&center) - footprint.circumradius() < best {
-                let clearance = solid.clearance(footprint, pose);
-                if clearance < best {
-                    nearest = Some((index, clearance));
+        let obstacle = if wall.1.is_nan() { None } else { self.nearest_obstacle(footprint, pose) };
+        Proximity { wall, obstacle }
+    }
+
+    /// The nearest obstacle, the first among equals: looks around ever farther until nothing beyond can be nearer.
+    fn nearest_obstacle(&self, footprint: &Footprint, pose: &Pose) -> Option<(usize, f64)> {
+        let (center, own_radius) = (Point::from(pose.translation.vector), footprint.circumradius());
+        let everywhere = center.x.abs() + center.y.abs() + self.room.width + self.room.height;
+        let mut reach = self.circles.first_reach();
+        loop {
+            let mut nearest = (usize::MAX, f64::INFINITY);
+            self.circles.visit_near(&center, reach, |index| {
+                let clearance = self.solids[index].clearance(footprint, pose);
+                if clearance < nearest.1 || (clearance == nearest.1 && index < nearest.0) {
+                    nearest = (index, clearance);
                 }
+                reach.min(nearest.1 + own_radius)
+            });
+            if nearest.1 + own_radius <= reach || reach >= everywhere {
+                return (nearest.0 != usize::MAX).then_some(nearest);
             }
+            reach *= 2.0;
         }
-        Proximity { wall, obstacle: nearest }
+    }
+
+    /// The obstacles whose bounding circles come within `reach` metres of a point, in no particular order.
+    ///
+    /// ```
+    /// use headway_sim::{Obstacle, Point, Room, Shape, World};
+    /// let disc = |x| Obstacle { shape: Shape::Disc { radius: 0.5 }, x, y: 5.0, yaw: 0.0 };
+    /// let world = World::new(Room { width: 10.0, height: 10.0 }, vec![disc(2.0), disc(8.0)])?;
+    /// assert!(world.obstacles_near(&Point::new(1.0, 5.0), 3.0).eq([0]));
+    /// # Ok::<(), headway_sim::SimError>(())
+    /// ```
+    pub fn obstacles_near(&self, point: &Point, reach: f64) -> impl Iterator<Item = usize> + use<'_> {
+        self.circles.near(point, reach)
     }
 
     /// The distance from a point to the nearest surface, metres, negative within an obstacle.

@@ -58,9 +58,12 @@ fn furnish(room: Room, shapes: &[Shape], min_gap: f64, rng: &mut impl RngExt) ->
     let mut world = World::empty(room, shapes.len())?;
     for (index, shape) in shapes.iter().enumerate() {
         let outline = Footprint::of_obstacle(shape);
-        let place =
-            (0..PLACE_TRIES).map(|_| draw_pose(&room, rng)).find(|pose| world.has_room(&outline, pose, min_gap));
-        let Some(pose) = place else {
+        let mut draws = (0..PLACE_TRIES).map(|_| draw_place(&room, rng));
+        let place = draws.find(|[x, y, yaw]| match shape {
+            Shape::Disc { .. } => world.has_room(&outline, &Pose::translation(*x, *y), min_gap),
+            _ => world.has_room(&outline, &Pose::new([*x, *y].into(), *yaw), min_gap),
+        });
+        let Some([x, y, yaw]) = place else {
             let (n, radius) = (shapes.len(), shape.circumradius());
             return Err(SimError::CannotPlace {
                 what: format!("obstacle {} of {n} (radius {radius:.2} m)", index + 1),
@@ -70,15 +73,14 @@ fn furnish(room: Room, shapes: &[Shape], min_gap: f64, rng: &mut impl RngExt) ->
                 tries: PLACE_TRIES,
             });
         };
-        let (x, y) = (pose.translation.x, pose.translation.y);
-        world.push(Obstacle { shape: shape.clone(), x, y, yaw: pose.rotation.angle() });
+        world.push(Obstacle { shape: shape.clone(), x, y, yaw });
     }
     Ok(world)
 }
 
-fn draw_pose(room: &Room, rng: &mut impl RngExt) -> Pose {
-    let (x, y) = (rng.random_range(0.0..room.width), rng.random_range(0.0..room.height));
-    Pose::new([x, y].into(), rng.random_range(-PI..PI))
+/// Position and yaw.
+fn draw_place(room: &Room, rng: &mut impl RngExt) -> [f64; 3] {
+    [rng.random_range(0.0..room.width), rng.random_range(0.0..room.height), rng.random_range(-PI..PI)]
 }
 
 /// A shape of a random kind whose circumscribed circle has a random radius.

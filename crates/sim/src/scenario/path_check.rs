@@ -1,4 +1,4 @@
-//! Whether two places are joined by a path: a best-first search over a lattice of free points.
+//! Whether two places are joined by a path.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -7,17 +7,53 @@ use super::GoalRule;
 use super::lattice::Lattice;
 use crate::{Footprint, Point, World};
 
+/// Joins of places in one world, for a footprint and a rule.
+///
+/// Where every gap is wider than the footprint, all free places are joined; elsewhere a path is searched for.
+pub(super) enum PathCheck<'a> {
+    /// Every gap is wider than this circumradius times two.
+    Roomy { world: &'a World, circumradius: f64 },
+    /// There may be dead ends.
+    Tight(LatticeSearch<'a>),
+}
+
+impl<'a> PathCheck<'a> {
+    /// A check for footprints and a rule; one that joins nothing if the rule is not allowed in the room.
+    pub(super) fn new(world: &'a World, footprint: &Footprint, rule: &GoalRule) -> Self {
+        let circumradius = footprint.circumradius();
+        let is_allowed = Lattice::new(&world.room(), rule.clearance).is_some();
+        if is_allowed && world.has_gaps_above(2.0 * circumradius) {
+            Self::Roomy { world, circumradius }
+        } else {
+            Self::Tight(LatticeSearch::new(world, circumradius, rule))
+        }
+    }
+
+    /// Whether a path joins two places; never to or from one that is not finite.
+    ///
+    /// # Panics
+    /// After 65 534 searches.
+    pub(super) fn joins(&mut self, from: &Point, to: &Point) -> bool {
+        match self {
+            Self::Roomy { world, circumradius } => {
+                [from, to].into_iter().all(|place| world.has_room_around(place, *circumradius))
+            }
+            Self::Tight(search) => search.joins(from, to),
+        }
+    }
+}
+
 /// Marks a node that is not free.
 const BLOCKED: u16 = u16::MAX;
 
-/// Joins of places in one world.
+/// A best-first search over a lattice of free points.
 ///
 /// Lattice points lie `step` apart, at most half the rule's clearance, and a point is free if the distance
 /// to the nearest surface is at least the footprint's circumradius plus half a step. Distances change by at
 /// most a metre a metre, so the footprint, whatever its yaw, can move between free neighbours: what is
 /// found joined *is* joined. Passages barely wider than the footprint may be missed. A place is tied to the
 /// free points within a step that it can reach in a straight line; with the rule's clearance, to all of them.
-pub(super) struct PathCheck<'a> {
+pub(super) struct LatticeSearch<'a> {
     world: &'a World,
     lattice: Lattice,
     circumradius: f64,
@@ -28,19 +64,14 @@ pub(super) struct PathCheck<'a> {
     dry: Vec<u16>,
 }
 
-impl<'a> PathCheck<'a> {
-    /// A check for footprints and a rule; one that joins nothing if the rule is not allowed in the room.
-    pub(super) fn new(world: &'a World, footprint: &Footprint, rule: &GoalRule) -> Self {
+impl<'a> LatticeSearch<'a> {
+    fn new(world: &'a World, circumradius: f64, rule: &GoalRule) -> Self {
         let lattice = Lattice::new(&world.room(), rule.clearance).unwrap_or(Lattice::EMPTY);
         let seen = vec![0; lattice.n_nodes()];
-        Self { world, lattice, circumradius: footprint.circumradius(), seen, n_searches: 0, dry: Vec::new() }
+        Self { world, lattice, circumradius, seen, n_searches: 0, dry: Vec::new() }
     }
 
-    /// Whether a path joins two places; never to or from one that is not finite.
-    ///
-    /// # Panics
-    /// After 65 534 searches.
-    pub(super) fn joins(&mut self, from: &Point, to: &Point) -> bool {
+    fn joins(&mut self, from: &Point, to: &Point) -> bool {
         let (starts, ends) = (self.ties(from), self.ties(to));
         let (dry, fresh): (Vec<usize>, Vec<usize>) =
             starts.into_iter().partition(|start| self.dry.contains(&self.seen[*start]));
@@ -140,7 +171,8 @@ mod tests {
                 assert_eq!(check.joins(&a, &b), expected, "{a} to {b}");
             }
         }
-        assert_eq!(check.n_searches, 4, "each half is searched to its end once");
+        let PathCheck::Tight(search) = check else { panic!("the barrier touches the walls") };
+        assert_eq!(search.n_searches, 4, "each half is searched to its end once");
     }
 
     #[test]

@@ -9,7 +9,7 @@ use crate::{Footprint, Obstacle, Point, Pose, Shape};
 #[derive(Debug, Clone)]
 pub(crate) enum Solid {
     Disc { center: Point, radius: f64 },
-    Polygon(Polygon),
+    Polygon(Box<Polygon>),
 }
 
 impl Solid {
@@ -17,7 +17,7 @@ impl Solid {
     pub(super) fn new(obstacle: &Obstacle) -> Self {
         match &obstacle.shape {
             Shape::Disc { radius } => Self::Disc { center: Point::new(obstacle.x, obstacle.y), radius: *radius },
-            shape => Self::Polygon(Polygon::new(shape.vertices()).at(&obstacle.pose())),
+            shape => Self::Polygon(Box::new(Polygon::new(shape.vertices()).at(&obstacle.pose()))),
         }
     }
 
@@ -29,22 +29,28 @@ impl Solid {
         }
     }
 
-    /// A lower bound of the distance from a point to the solid.
-    pub(super) fn bound(&self, point: &Point) -> f64 {
-        let (center, radius) = self.bounding_circle();
-        (point - center).norm() - radius
-    }
-
     /// The signed distance from a footprint to the solid.
     pub(super) fn clearance(&self, footprint: &Footprint, pose: &Pose) -> f64 {
         let origin = Point::from(pose.translation.vector);
         match (self, footprint.polygon()) {
-            (Self::Disc { .. }, None) => self.bound(&origin) - footprint.circumradius(),
+            (Self::Disc { center, radius }, None) => (origin - center).norm() - radius - footprint.circumradius(),
             (Self::Disc { center, radius }, Some(own)) => {
                 own.signed_distance(&pose.inverse_transform_point(center)) - radius
             }
             (Self::Polygon(polygon), None) => polygon.signed_distance(&origin) - footprint.circumradius(),
             (Self::Polygon(polygon), Some(own)) => polygon.hull().signed_distance(&own.hull().at(pose)),
+        }
+    }
+
+    /// The signed distance to another solid.
+    pub(super) fn gap(&self, other: &Self) -> f64 {
+        match (self, other) {
+            (Self::Disc { center, radius }, Self::Disc { center: other, radius: other_radius }) => {
+                (other - center).norm() - radius - other_radius
+            }
+            (Self::Disc { center, radius }, Self::Polygon(polygon))
+            | (Self::Polygon(polygon), Self::Disc { center, radius }) => polygon.signed_distance(center) - radius,
+            (Self::Polygon(polygon), Self::Polygon(other)) => polygon.hull().signed_distance(other.hull()),
         }
     }
 
