@@ -29,8 +29,12 @@ impl GridMap {
         let (n_x, n_y) = (count(room.width), count(room.height));
         assert!(n_x.saturating_mul(n_y) <= 1 << 28, "cells fit in memory");
         let mut map = Self { cell, n_x, n_y, blocked: vec![false; n_x * n_y] };
-        for index in 0..4 {
-            map.block(world, Surface::Wall(index), (0..n_x, 0..n_y), inflation);
+        let strip = |n: usize| ((inflation.max(0.0) / cell).ceil() as usize + 1).min(n);
+        let (low, high) = (|n: usize| 0..strip(n), |n: usize| n - strip(n)..n);
+        // As the walls are numbered: x = 0, y = 0, x = width, y = height.
+        let strips = [(low(n_x), 0..n_y), (0..n_x, low(n_y)), (high(n_x), 0..n_y), (0..n_x, high(n_y))];
+        for (index, cells) in strips.into_iter().enumerate() {
+            map.block(world, Surface::Wall(index), cells, inflation);
         }
         for (index, obstacle) in world.obstacles().iter().enumerate() {
             let reach = obstacle.shape.circumradius() + inflation;

@@ -60,8 +60,14 @@ fn entry(priority: f64, cell: Cell) -> (Reverse<u64>, Cell) {
     (Reverse(priority.to_bits()), cell)
 }
 
-/// The octile distance, in cells.
+/// The octile distance, in cells, and a millionth more: of cells with equal promise, the search goes on from that nearest to
+/// the goal.
 fn heuristic(a: Cell, b: Cell) -> f64 {
+    octile(a, b) * (1.0 + 1e-6)
+}
+
+/// The length of the shortest way between two cells where all are free, in cells.
+fn octile(a: Cell, b: Cell) -> f64 {
     let (dx, dy) = (a.0.abs_diff(b.0) as f64, a.1.abs_diff(b.1) as f64);
     dx.max(dy) + (SQRT_2 - 1.0) * dx.min(dy)
 }
@@ -143,8 +149,8 @@ mod tests {
             let map = GridMap::from_world(&scenario.world, 0.25, 0.3);
             let from = map.cell_of(&scenario.start.translation.vector.into());
             let to = map.cell_of(&scenario.goal);
-            let length = search(&map, from, to)
-                .map(|cells| cells.windows(2).map(|pair| heuristic(pair[0], pair[1])).sum::<f64>());
+            let length =
+                search(&map, from, to).map(|cells| cells.windows(2).map(|pair| octile(pair[0], pair[1])).sum::<f64>());
             let slow = slow_length(&map, from, to);
             assert!((length.unwrap() - slow.unwrap()).abs() < 1e-9);
         }

@@ -238,10 +238,7 @@ impl World {
                 let Room { width, height } = self.room;
                 [point.x, point.y, width - point.x, height - point.y][index]
             }
-            Surface::Obstacle(index) => {
-                let pose = Pose::translation(point.x, point.y);
-                self.solids[index].clearance(&Footprint::disc(0.0), &pose)
-            }
+            Surface::Obstacle(index) => self.solids[index].distance(point),
         }
     }
 

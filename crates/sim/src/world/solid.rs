@@ -29,15 +29,21 @@ impl Solid {
         }
     }
 
+    /// The distance from a point to the solid, negative inside.
+    pub(super) fn distance(&self, point: &Point) -> f64 {
+        match self {
+            Self::Disc { center, radius } => (point - center).norm() - radius,
+            Self::Polygon(polygon) => polygon.signed_distance(point),
+        }
+    }
+
     /// The signed distance from a footprint to the solid.
     pub(super) fn clearance(&self, footprint: &Footprint, pose: &Pose) -> f64 {
-        let origin = Point::from(pose.translation.vector);
         match (self, footprint.polygon()) {
-            (Self::Disc { center, radius }, None) => (origin - center).norm() - radius - footprint.circumradius(),
+            (_, None) => self.distance(&pose.translation.vector.into()) - footprint.circumradius(),
             (Self::Disc { center, radius }, Some(own)) => {
                 own.signed_distance(&pose.inverse_transform_point(center)) - radius
             }
-            (Self::Polygon(polygon), None) => polygon.signed_distance(&origin) - footprint.circumradius(),
             (Self::Polygon(polygon), Some(own)) => polygon.hull().signed_distance(&own.hull().at(pose)),
         }
     }
@@ -45,11 +51,9 @@ impl Solid {
     /// The signed distance to another solid.
     pub(super) fn gap(&self, other: &Self) -> f64 {
         match (self, other) {
-            (Self::Disc { center, radius }, Self::Disc { center: other, radius: other_radius }) => {
-                (other - center).norm() - radius - other_radius
+            (solid, Self::Disc { center, radius }) | (Self::Disc { center, radius }, solid) => {
+                solid.distance(center) - radius
             }
-            (Self::Disc { center, radius }, Self::Polygon(polygon))
-            | (Self::Polygon(polygon), Self::Disc { center, radius }) => polygon.signed_distance(center) - radius,
             (Self::Polygon(polygon), Self::Polygon(other)) => polygon.hull().signed_distance(other.hull()),
         }
     }
