@@ -63,7 +63,8 @@ impl VehicleSpec {
         }
         within("control_period", self.control_period, 1e-3, 10.0)?;
         within("n_substeps", self.n_substeps as f64, 1.0, 1000.0)?;
-        Ok(Vehicle { spec: self.clone(), footprint })
+        let substep = self.control_period / self.n_substeps as f64;
+        Ok(Vehicle { spec: self.clone(), substep, footprint })
     }
 }
 
@@ -110,6 +111,8 @@ pub struct Motion {
 #[derive(Debug, Clone)]
 pub struct Vehicle {
     spec: VehicleSpec,
+    /// Seconds.
+    substep: f64,
     footprint: Footprint,
 }
 
@@ -148,12 +151,11 @@ impl Vehicle {
     /// A speed or yaw rate in the command that is infinite or not a number counts as 0, so that a driver
     /// gone wrong brakes.
     pub fn step(&self, world: &World, state: &mut VehicleState, command: Command) -> Motion {
-        let finite = |number: f64| if number.is_finite() { number } else { 0.0 };
-        let command = Command { speed: finite(command.speed), yaw_rate: finite(command.yaw_rate) };
         let start = *state;
-        let (mut distance, mut reach) = (0.0, 0.0);
-        for _ in 0..self.spec.n_substeps {
-            let stretch = self.accelerate(&mut state.twist, command);
+        let target = self.target(command);
+        let (mut distance, mut reach, mut n_left) = (0.0, 0.0, self.spec.n_substeps);
+        while n_left > 0 {
+            let stretch = self.next_stretch(&mut state.twist, target, &mut n_left);
             state.pose = arc(&state.pose, stretch.speed, stretch.yaw_rate, stretch.time);
             distance += stretch.speed.abs() * stretch.time;
             reach += self.point_speed(&stretch) * stretch.time;
@@ -167,20 +169,33 @@ impl Vehicle {
         if free_now > reach || free_now > 0.0 && free_now + world.clearance(&self.footprint, &start.pose) > reach {
             return unhurt;
         }
-        self.first_contact(world, start, command, state).unwrap_or(unhurt)
+        self.first_contact(world, start, target, state).unwrap_or(unhurt)
     }
 
-    /// One substep of the linear approach to the command: the mean speed and yaw rate over it.
-    #[inline]
-    fn accelerate(&self, twist: &mut Twist, command: Command) -> Stretch {
+    /// The speed and yaw rate that a command makes the vehicle approach.
+    fn target(&self, command: Command) -> Command {
         let spec = &self.spec;
-        let h = spec.control_period / spec.n_substeps as f64;
-        let speed = command.speed.clamp(-spec.max_reverse_speed, spec.max_speed);
-        let yaw_rate = command.yaw_rate.clamp(-spec.max_yaw_rate, spec.max_yaw_rate);
-        let before = *twist;
-        twist.x = approach(twist.x, speed, spec.max_acceleration * h);
-        twist.z = approach(twist.z, yaw_rate, spec.max_yaw_acceleration * h);
-        Stretch { speed: (before.x + twist.x) / 2.0, yaw_rate: (before.z + twist.z) / 2.0, time: h }
+        let finite = |number: f64| if number.is_finite() { number } else { 0.0 };
+        Command {
+            speed: finite(command.speed).clamp(-spec.max_reverse_speed, spec.max_speed),
+            yaw_rate: finite(command.yaw_rate).clamp(-spec.max_yaw_rate, spec.max_yaw_rate),
+        }
+    }
+
+    /// The next of the substeps that are left, at the mean speed and yaw rate over it; all of them in one once the target
+    /// is reached, since arcs of the same speed and yaw rate make one arc.
+    #[inline]
+    fn next_stretch(&self, twist: &mut Twist, target: Command, n_left: &mut usize) -> Stretch {
+        let spec = &self.spec;
+        let (speed, yaw_rate) = (twist.x, twist.z);
+        if speed == target.speed && yaw_rate == target.yaw_rate {
+            let n = std::mem::take(n_left);
+            return Stretch { speed, yaw_rate, time: n as f64 * self.substep };
+        }
+        *n_left -= 1;
+        twist.x = approach(speed, target.speed, spec.max_acceleration * self.substep);
+        twist.z = approach(yaw_rate, target.yaw_rate, spec.max_yaw_acceleration * self.substep);
+        Stretch { speed: (speed + twist.x) / 2.0, yaw_rate: (yaw_rate + twist.z) / 2.0, time: self.substep }
     }
 
     /// The highest speed of any point of the outline, m/s.
@@ -194,13 +209,13 @@ impl Vehicle {
         &self,
         world: &World,
         start: VehicleState,
-        command: Command,
+        target: Command,
         state: &mut VehicleState,
     ) -> Option<Motion> {
         let (mut pose, mut twist) = (start.pose, start.twist);
-        let (mut distance, mut duration) = (0.0, 0.0);
-        for _ in 0..self.spec.n_substeps {
-            let stretch = self.accelerate(&mut twist, command);
+        let (mut distance, mut duration, mut n_left) = (0.0, 0.0, self.spec.n_substeps);
+        while n_left > 0 {
+            let stretch = self.next_stretch(&mut twist, target, &mut n_left);
             let speed = self.point_speed(&stretch);
             let mut time = 0.0;
             loop {
@@ -229,7 +244,7 @@ impl Vehicle {
 }
 
 fn approach(value: f64, target: f64, most: f64) -> f64 {
-    value + (target - value).clamp(-most, most)
+    if (target - value).abs() <= most { target } else { value + most.copysign(target - value) }
 }
 
 #[cfg(test)]
@@ -246,7 +261,7 @@ mod tests {
         let spec = VehicleSpec { max_yaw_rate: yaw_rate, ..VehicleSpec::default() };
         let mut state = VehicleState::at_rest(Pose::translation(5.0, 5.0));
         state.twist.z = yaw_rate;
-        let motion = Vehicle { spec, footprint }.step(&world, &mut state, Command { speed: 0.0, yaw_rate });
+        let motion = Vehicle { substep: spec.control_period / 4.0, spec, footprint }.step(&world, &mut state, Command { speed: 0.0, yaw_rate });
         assert_eq!(motion.duration, 0.2);
     }
 }
