@@ -145,8 +145,10 @@ impl World {
     /// Whether a footprint touches or overlaps anything; a pose that is not finite counts as a collision.
     #[must_use]
     pub fn collides(&self, footprint: &Footprint, pose: &Pose) -> bool {
-        let clearance = self.clearance(footprint, pose);
-        clearance.is_nan() || clearance <= 0.0
+        let center = Point::from(pose.translation.vector);
+        let mut near = self.obstacles_near(&center, footprint.circumradius());
+        let is_free = self.wall_clearance(footprint, pose).1 > 0.0;
+        !is_free || near.any(|index| self.solids[index].clearance(footprint, pose) <= 0.0)
     }
 
     /// Whether the clearance of a footprint is at least `least`: as [`Self::clearance`] says, but only

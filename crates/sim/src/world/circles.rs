@@ -26,12 +26,22 @@ struct Block {
 
 impl Block {
     /// Circles that are infinitely far from everything.
-    const EMPTY: Self = Self { x: [0.0; LANES], y: [0.0; LANES], radius: [f64::NEG_INFINITY; LANES] };
+    const EMPTY: Self = Self { x: [f64::INFINITY; LANES], y: [0.0; LANES], radius: [0.0; LANES] };
 
-    /// Whether a circle comes within `reach` of a point. No root is taken.
-    fn is_near(&self, lane: usize, point: &Point, reach: f64) -> bool {
+    /// How much too far a circle is off to come within `reach` of a point, squared metres; no root is taken.
+    fn excess(&self, lane: usize, point: &Point, reach: f64) -> f64 {
         let (x, y, reach) = (self.x[lane] - point.x, self.y[lane] - point.y, reach + self.radius[lane]);
-        reach >= 0.0 && x * x + y * y <= reach * reach
+        x * x + y * y - reach * reach
+    }
+
+    /// Whether any of the circles comes within `reach` of a point: written for the compiler to vectorise.
+    fn is_any_near(&self, point: &Point, reach: f64) -> bool {
+        let mut least = [f64::INFINITY; LANES / 2];
+        for (lane, least) in least.iter_mut().enumerate() {
+            let (a, b) = (self.excess(lane, point, reach), self.excess(lane + LANES / 2, point, reach));
+            *least = if a < b { a } else { b };
+        }
+        least.iter().any(|excess| *excess <= 0.0)
     }
 }
 
@@ -58,28 +68,42 @@ impl Circles {
 
     /// The circles that come within `reach` of a point, in no particular order.
     pub(super) fn near(&self, point: &Point, reach: f64) -> impl Iterator<Item = usize> + use<'_> {
-        let (candidates, point) = (self.candidates(point, reach), *point);
-        candidates.filter(move |index| self.blocks[index / LANES].is_near(index % LANES, &point, reach))
+        let point = *point;
+        let chosen = self.buckets.as_ref().map(|buckets| buckets.near(&point, reach));
+        let n_blocks = if chosen.is_some() { 0 } else { self.blocks.len() };
+        let blocks = (0..n_blocks).filter(move |block| self.blocks[*block].is_any_near(&point, reach));
+        let all = blocks.flat_map(|block| block * LANES..(block + 1) * LANES).chain(chosen.into_iter().flatten());
+        all.filter(move |index| self.excess(*index, &point, reach) <= 0.0)
     }
 
     /// As [`Self::near`], with a reach that shrinks once something near is found: `visit` returns it.
     pub(super) fn visit_near(&self, point: &Point, mut reach: f64, mut visit: impl FnMut(usize) -> f64) {
-        for index in self.candidates(point, reach) {
-            if self.blocks[index / LANES].is_near(index % LANES, point, reach) {
-                reach = visit(index);
+        if let Some(buckets) = &self.buckets {
+            for index in buckets.near(point, reach) {
+                if self.excess(index, point, reach) <= 0.0 {
+                    reach = visit(index);
+                }
+            }
+            return;
+        }
+        for (b, block) in self.blocks.iter().enumerate() {
+            if !block.is_any_near(point, reach) {
+                continue;
+            }
+            for lane in 0..LANES {
+                if block.excess(lane, point, reach) <= 0.0 {
+                    reach = visit(b * LANES + lane);
+                }
             }
         }
     }
 
-    /// All circles within `reach` of a point, and others.
-    fn candidates(&self, point: &Point, reach: f64) -> impl Iterator<Item = usize> + use<'_> {
-        let chosen = self.buckets.as_ref().map(|buckets| buckets.near(point, reach));
-        let all = if chosen.is_some() { 0..0 } else { 0..self.len };
-        all.chain(chosen.into_iter().flatten())
+    fn excess(&self, index: usize, point: &Point, reach: f64) -> f64 {
+        self.blocks[index / LANES].excess(index % LANES, point, reach)
     }
 
-    /// A first guess of how far one must look to find something, metres: infinite where that is no effort.
+    /// A first guess of how far one must look to find something, metres: a thousand kilometres where that is no effort.
     pub(super) fn first_reach(&self) -> f64 {
-        self.buckets.as_ref().map_or(f64::INFINITY, Buckets::cell_size)
+        self.buckets.as_ref().map_or(1e6, Buckets::cell_size)
     }
 }
