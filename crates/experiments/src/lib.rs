@@ -6,7 +6,6 @@ pub mod episode;
 mod error;
 pub mod evaluate;
 pub mod jobs;
-mod once_map;
 mod plan;
 pub mod plot;
 pub mod report;

@@ -370,7 +370,8 @@ fn a_failing_last_run_is_named_and_no_success_is_claimed() {
     let args = ["run", "spec.toml", "--out", "out", "--jobs", "1", "--set", "seeds.count=1"];
     let errors = bench.fail(&args, 1);
     let run = bench.run("out", 1, 0);
-    assert!(errors.starts_with("error: training diverged at gradient step "), "{errors}");
+    assert!(errors.contains("\nerror: training diverged at gradient step "), "{errors}");
+    assert!(!errors.contains("2 of 2 runs"), "{errors}");
     assert!(errors.ends_with(&format!(" (agent=bad, seed 3, in {run})\n")), "{errors}");
     assert!(bench.path(&bench.run("out", 0, 0)).join("done").exists(), "the run before is kept");
 }

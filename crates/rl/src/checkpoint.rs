@@ -7,14 +7,15 @@ use rand_chacha::ChaCha8Rng;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+use crate::adam::N_ROWS;
 use crate::learner::LearnerState;
 use crate::n_step::NStepQueues;
-use crate::network::{flatten, unflatten};
+use crate::observations::Observations;
 use crate::replay::Replay;
 use crate::{Dqn, RlError};
 
 /// Raise it whenever the stream changes.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// What two agents must share to share a state; read first, so that a mismatch is named rather than stumbled over.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
@@ -28,47 +29,40 @@ struct Header {
     replay_capacity: usize,
 }
 
-/// Weights and moments, each network flattened, with the counters.
+/// Weights and moments, as the learner has them in memory, with the counters.
 #[derive(Serialize, Deserialize)]
 struct Numbers {
     n_env_steps: u64,
     n_gradient_steps: u64,
     n_adam_steps: u64,
     #[serde(with = "f32_bytes")]
-    online: Vec<f32>,
-    #[serde(with = "f32_bytes")]
-    target: Vec<f32>,
-    #[serde(with = "f32_bytes")]
-    averaged: Vec<f32>,
-    #[serde(with = "f32_bytes")]
-    first_moments: Vec<f32>,
-    #[serde(with = "f32_bytes")]
-    second_moments: Vec<f32>,
+    memory: Vec<f32>,
 }
 
-/// Writes header, numbers, random streams, queues and replay, in this order.
+/// Writes header, numbers, random streams, observations, queues and replay, in this order.
 pub(crate) fn save(agent: &Dqn, mut w: &mut dyn Write) -> Result<(), RlError> {
     write(&mut w, &Header::of(agent))?;
     write(&mut w, &Numbers::of(agent)?)?;
     write(&mut w, &(&agent.exploration_rng, &agent.replay_rng))?;
-    write(&mut w, &agent.queues)?;
-    write(&mut w, &agent.replay)
+    write(&mut w, &(&agent.observations, &agent.queues, &agent.replay))
 }
 
 /// Reads everything, checks it, and only then touches the agent.
 pub(crate) fn load(agent: &mut Dqn, mut r: &mut dyn Read) -> Result<(), RlError> {
     read::<Header>(&mut r)?.check(&Header::of(agent))?;
     let numbers: Numbers = read(&mut r)?;
-    let learner = numbers.learner(&agent.learner.widths)?;
+    let network = &agent.learner.network;
+    sound("the number of weights", numbers.memory.len() == N_ROWS * network.n_weights())?;
     let (exploration_rng, replay_rng): (ChaCha8Rng, ChaCha8Rng) = read(&mut r)?;
-    let queues: NStepQueues = read(&mut r)?;
-    let replay: Replay = read(&mut r)?;
-    sound("the n-step queues", queues.fits(&agent.queues, agent.learner.n_actions()))?;
-    sound("the replay", replay.fits(&agent.replay, agent.learner.n_actions()))?;
-    agent.learner.set_state(&learner)?;
+    let (mut observations, queues, replay): (Observations, NStepQueues, Replay) = read(&mut r)?;
+    sound("the n-step queues", queues.fits(&agent.queues, network.n_actions()))?;
+    sound("the replay", replay.fits(&agent.replay, network.n_actions()))?;
+    let holds = queues.holds().chain(replay.holds());
+    sound("the observations", observations.recount(network.obs_dim(), holds))?;
     agent.n_env_steps = numbers.n_env_steps;
+    agent.learner.set_state(&numbers.learner())?;
     (agent.exploration_rng, agent.replay_rng) = (exploration_rng, replay_rng);
-    (agent.queues, agent.replay) = (queues, replay);
+    (agent.observations, agent.queues, agent.replay) = (observations, queues, replay);
     Ok(())
 }
 
@@ -77,7 +71,7 @@ impl Header {
         Self {
             agent: "headway-rl/dqn".to_owned(),
             version: VERSION,
-            widths: agent.learner.widths.clone(),
+            widths: agent.learner.network.widths.clone(),
             n_envs: agent.n_envs,
             n_step: agent.queues.n_step(),
             gamma: agent.queues.gamma(),
@@ -99,31 +93,13 @@ impl Header {
 
 impl Numbers {
     fn of(agent: &Dqn) -> Result<Self, RlError> {
-        let state = agent.learner.state()?;
-        Ok(Self {
-            n_env_steps: agent.n_env_steps,
-            n_gradient_steps: state.n_gradient_steps,
-            n_adam_steps: state.n_adam_steps,
-            online: flatten(&state.online),
-            target: flatten(&state.target),
-            averaged: flatten(&state.averaged),
-            first_moments: flatten(&state.first_moments),
-            second_moments: flatten(&state.second_moments),
-        })
+        let LearnerState { n_gradient_steps, n_adam_steps, memory } = agent.learner.state()?;
+        Ok(Self { n_env_steps: agent.n_env_steps, n_gradient_steps, n_adam_steps, memory })
     }
 
-    fn learner(&self, widths: &[usize]) -> Result<LearnerState, RlError> {
-        let layers =
-            |values: &[f32]| unflatten(values, widths).ok_or(RlError::CorruptState { what: "the number of weights" });
-        Ok(LearnerState {
-            n_gradient_steps: self.n_gradient_steps,
-            n_adam_steps: self.n_adam_steps,
-            online: layers(&self.online)?,
-            target: layers(&self.target)?,
-            averaged: layers(&self.averaged)?,
-            first_moments: layers(&self.first_moments)?,
-            second_moments: layers(&self.second_moments)?,
-        })
+    fn learner(self) -> LearnerState {
+        let Self { n_gradient_steps, n_adam_steps, memory, .. } = self;
+        LearnerState { n_gradient_steps, n_adam_steps, memory }
     }
 }
 

@@ -9,8 +9,9 @@ use crate::error::check_len;
 use crate::learner::{Learner, Weights};
 use crate::n_step::NStepQueues;
 use crate::network::Layer;
+use crate::observations::Observations;
 use crate::random::stream;
-use crate::replay::Replay;
+use crate::replay::{MiniBatch, Replay};
 use crate::target::argmax;
 use crate::{Agent, DqnSpec, Epsilon, LearningRate, Loss, Mode, RlError, StepBatch, checkpoint};
 
@@ -31,8 +32,11 @@ pub struct Dqn {
     pub(crate) n_envs: usize,
     pub(crate) n_env_steps: u64,
     pub(crate) learner: Learner,
+    pub(crate) observations: Observations,
     pub(crate) queues: NStepQueues,
     pub(crate) replay: Replay,
+    /// The minibatch of the latest gradient step, kept for its memory.
+    batch: MiniBatch,
     pub(crate) exploration_rng: ChaCha8Rng,
     pub(crate) replay_rng: ChaCha8Rng,
 }
@@ -58,8 +62,10 @@ impl Dqn {
             n_envs,
             n_env_steps: 0,
             learner: Learner::new(spec, obs_dim, n_actions, &mut stream(seed, "weights"))?,
-            queues: NStepQueues::new(n_envs, obs_dim, spec.n_step, spec.gamma as f32),
-            replay: Replay::new(spec.replay_capacity, obs_dim),
+            observations: Observations::new(obs_dim),
+            queues: NStepQueues::new(n_envs, spec.n_step, spec.gamma as f32),
+            replay: Replay::new(spec.replay_capacity),
+            batch: MiniBatch::default(),
             exploration_rng: stream(seed, "exploration"),
             replay_rng: stream(seed, "replay"),
         })
@@ -95,7 +101,7 @@ impl Dqn {
     /// # Errors
     /// If `obs` is not a whole number of rows.
     pub fn q_values(&self, obs: &[f32]) -> Result<Vec<f32>, RlError> {
-        self.check_rows(obs, obs.len() / self.learner.obs_dim())?;
+        self.check_rows(obs, obs.len() / self.learner.network.obs_dim())?;
         Ok(self.learner.q_values(Weights::Averaged, obs, <[f32]>::to_vec)?)
     }
 
@@ -121,7 +127,7 @@ impl Dqn {
     /// # Errors
     /// If the layers have another shape.
     pub fn start_from(&mut self, layers: &[Layer]) -> Result<(), RlError> {
-        let widths = &self.learner.widths;
+        let widths = &self.learner.network.widths;
         check_len("layers", layers.len(), widths.len() - 1, || format!("widths {widths:?}"))?;
         for (layer, pair) in layers.iter().zip(widths.windows(2)) {
             check_len("weight", layer.weight.len(), pair[0] * pair[1], || format!("[{}, {}]", pair[1], pair[0]))?;
@@ -142,12 +148,12 @@ impl Dqn {
     }
 
     fn check_rows(&self, obs: &[f32], n: usize) -> Result<(), RlError> {
-        let obs_dim = self.learner.obs_dim();
+        let obs_dim = self.learner.network.obs_dim();
         check_len("obs", obs.len(), n * obs_dim, || format!("[n, obs_dim] = [{n}, {obs_dim}]"))
     }
 
     fn act_greedily(&self, weights: Weights, obs: &[f32], actions: &mut [u32]) -> Result<(), RlError> {
-        let n_actions = self.learner.n_actions();
+        let n_actions = self.learner.network.n_actions();
         Ok(self.learner.q_values(weights, obs, |q| {
             for (action, q) in actions.iter_mut().zip(q.chunks_exact(n_actions)) {
                 *action = argmax(q) as u32;
@@ -159,7 +165,7 @@ impl Dqn {
     fn explore(&mut self, obs: &[f32], actions: &mut [u32]) -> Result<(), RlError> {
         self.act_greedily(Weights::Online, obs, actions)?;
         let epsilon = self.epsilon();
-        let n_actions = self.learner.n_actions() as u32;
+        let n_actions = self.learner.network.n_actions() as u32;
         for action in actions {
             if self.exploration_rng.random::<f64>() < epsilon {
                 *action = self.exploration_rng.random_range(0..n_actions);
@@ -179,10 +185,12 @@ impl Agent for Dqn {
     }
 
     fn observe(&mut self, batch: StepBatch<'_>) -> Result<(), RlError> {
-        batch.validate(self.n_envs, self.learner.obs_dim(), self.learner.n_actions())?;
-        for (env, mut step) in batch.rows(self.learner.obs_dim()).enumerate() {
+        batch.validate(self.n_envs, self.learner.network.obs_dim(), self.learner.network.n_actions())?;
+        for (env, mut step) in batch.rows(self.learner.network.obs_dim()).enumerate() {
             step.reward *= self.reward_scale;
-            self.queues.push(env, &step, |transition| self.replay.push(transition));
+            self.queues.push(env, &step, &mut self.observations, |observations, transition| {
+                self.replay.push(observations, transition);
+            });
         }
         self.n_env_steps += self.n_envs as u64;
         Ok(())
@@ -193,8 +201,9 @@ impl Agent for Dqn {
         if !self.is_update_due() {
             return Ok(None);
         }
-        let batch = self.replay.sample(self.batch_size, &mut self.replay_rng);
-        self.learner.step(batch, self.learning_rate()).map(Some)
+        self.replay.sample(&self.observations, self.batch_size, &mut self.replay_rng, &mut self.batch);
+        let learning_rate = self.learning_rate();
+        self.learner.step(&self.batch, learning_rate).map(Some)
     }
 
     fn save(&self, w: &mut dyn Write) -> Result<(), RlError> {

@@ -3,11 +3,12 @@
 use candle_core::{Result, Tensor};
 use rand_chacha::ChaCha8Rng;
 
-use crate::adam::{Adam, gradient_norm};
-use crate::inplace::read;
-use crate::network::{Layer, Mlp, initialise, matrix, widths};
+use crate::adam::{AdamStep, Follow, Memory, sum_of_squares};
+use crate::mlp::{BackPropagate, Forward, Gradient};
+use crate::network::{Layer, Network};
 use crate::replay::MiniBatch;
-use crate::{DqnSpec, GradientClip, Loss, LossFn, RlError, TargetRule, TargetUpdate, target};
+use crate::tensors::{read, zeros};
+use crate::{AdamSpec, DqnSpec, GradientClip, Loss, LossFn, RlError, TargetRule, TargetUpdate, target};
 
 /// Everything that learns: the online, target and averaged networks, and the optimiser.
 #[derive(Debug)]
@@ -17,26 +18,34 @@ pub(crate) struct Learner {
     grad_clip: GradientClip,
     target_network: TargetUpdate,
     average: f64,
-    /// The sizes of the layers, from the observation to the actions.
-    pub(crate) widths: Vec<usize>,
-    online: Mlp,
-    /// The online network's weights, in the same memory, for where no gradient is wanted.
-    online_view: Mlp,
-    target: Mlp,
-    averaged: Mlp,
-    adam: Adam,
+    adam: AdamSpec,
+    pub(crate) network: Network,
+    memory: Memory,
     n_gradient_steps: u64,
+    n_adam_steps: u64,
+    buffers: Buffers,
+}
+
+/// What a gradient step computes on its way, kept only to save allocations.
+#[derive(Debug)]
+struct Buffers {
+    /// Activations and derivatives, `[n * n_units]` for a minibatch of `n`.
+    activations: Tensor,
+    derivatives: Tensor,
+    /// `[n_weights]`.
+    gradient: Tensor,
+    /// `[n]`.
+    targets: Vec<f32>,
+    /// The derivative of the loss with respect to Q, `[n, n_actions]`.
+    d_q: Vec<f32>,
 }
 
 /// The weights, moments and counters of a learner, as plain numbers.
 pub(crate) struct LearnerState {
     pub(crate) n_gradient_steps: u64,
     pub(crate) n_adam_steps: u64,
-    pub(crate) online: Vec<Layer>,
-    pub(crate) target: Vec<Layer>,
-    pub(crate) averaged: Vec<Layer>,
-    pub(crate) first_moments: Vec<Layer>,
-    pub(crate) second_moments: Vec<Layer>,
+    /// The five rows of [`Memory`].
+    pub(crate) memory: Vec<f32>,
 }
 
 /// Which weights to ask.
@@ -50,31 +59,20 @@ pub(crate) enum Weights {
 
 impl Learner {
     pub(crate) fn new(spec: &DqnSpec, obs_dim: usize, n_actions: usize, rng: &mut ChaCha8Rng) -> Result<Self> {
-        let widths = widths(obs_dim, &spec.hidden, n_actions);
-        let layers = initialise(&widths, rng);
-        let online = Mlp::trainable(&layers)?;
+        let network = Network::new(obs_dim, &spec.hidden, n_actions);
         Ok(Self {
             rule: spec.target,
             loss: spec.loss,
             grad_clip: spec.grad_clip,
             target_network: spec.target_network,
             average: spec.average,
-            widths,
-            online_view: online.detached(),
-            online,
-            target: Mlp::frozen(&layers)?,
-            averaged: Mlp::frozen(&layers)?,
-            adam: Adam::new(spec.adam, &layers)?,
+            adam: spec.adam,
+            memory: Memory::new(&network.flatten(&network.initialise(rng)))?,
             n_gradient_steps: 0,
+            n_adam_steps: 0,
+            buffers: Buffers::new(&network, 0)?,
+            network,
         })
-    }
-
-    pub(crate) fn obs_dim(&self) -> usize {
-        self.widths[0]
-    }
-
-    pub(crate) fn n_actions(&self) -> usize {
-        self.widths[self.widths.len() - 1]
     }
 
     pub(crate) fn n_gradient_steps(&self) -> u64 {
@@ -83,76 +81,87 @@ impl Learner {
 
     /// Calls `with` with the Q-values `[n, n_actions]` of observations `[n, obs_dim]`.
     pub(crate) fn q_values<T>(&self, weights: Weights, obs: &[f32], with: impl FnOnce(&[f32]) -> T) -> Result<T> {
-        let network = match weights {
-            Weights::Online => &self.online_view,
-            Weights::Averaged => &self.averaged,
+        let weights = match weights {
+            Weights::Online => &self.memory.online,
+            Weights::Averaged => &self.memory.averaged,
         };
-        read(&network.forward(&matrix(obs.to_vec(), self.obs_dim())?)?, with)
+        let n = obs.len() / self.network.obs_dim();
+        let activations = zeros(n * self.network.n_units())?;
+        activations.inplace_op2(weights, &Forward { network: &self.network, obs })?;
+        read(&activations, |activations| with(self.network.q(activations, n)))
     }
 
     /// Takes one gradient step on a minibatch.
     ///
     /// Minimises the mean over the batch of `loss(Q(s, a; theta) - y)`, eq. (2), with `y` held constant. The derivative
-    /// with respect to Q is taken by hand, `loss'(Q - y) / n` at the action taken and zero elsewhere; candle carries it
-    /// back to the weights as the gradient of `sum(Q * derivative)`.
-    pub(crate) fn step(&mut self, batch: MiniBatch, learning_rate: f64) -> std::result::Result<Loss, RlError> {
-        let next_obs = matrix(batch.next_obs, self.obs_dim())?;
-        let targets = self.targets(&next_obs, &batch.n_step_returns, &batch.discounts)?;
-        let q = self.online.forward(&matrix(batch.obs, self.obs_dim())?)?;
-        let (derivative, value, mean_q) = read(&q, |q| self.derivative(q, &batch.actions, &targets))?;
-        let derivative = matrix(derivative, self.n_actions())?;
-        let grads = (q * derivative)?.sum_all()?.backward()?;
-        let grad_norm = gradient_norm(&self.online, &grads)?;
+    /// with respect to Q is `loss'(Q - y) / n` at the action taken and zero elsewhere; [`BackPropagate`] and [`Gradient`]
+    /// carry it back to the weights.
+    pub(crate) fn step(&mut self, batch: &MiniBatch, learning_rate: f64) -> std::result::Result<Loss, RlError> {
+        self.fit_buffers(batch.actions.len())?;
+        self.compute_targets(batch)?;
+        let (value, mean_q) = self.compute_gradient(batch)?;
+        let grad_norm = read(&self.buffers.gradient, sum_of_squares)?.sqrt() as f32;
         self.check_finite("loss", value)?;
         self.check_finite("gradient norm", grad_norm)?;
-        let learning_rate = learning_rate as f32;
-        self.adam.step(&self.online, &grads, self.grad_clip.factor(grad_norm), learning_rate)?;
         self.n_gradient_steps += 1;
-        self.follow()?;
+        self.n_adam_steps += 1;
+        let (learning_rate, scale) = (learning_rate as f32, self.grad_clip.factor(grad_norm));
+        let step = AdamStep::new(self.adam, self.n_adam_steps, scale, learning_rate, self.follow());
+        self.memory.step(&self.buffers.gradient, &step)?;
         Ok(Loss { value, mean_q, grad_norm, learning_rate })
     }
 
-    /// The targets `y` of a minibatch, `[n]`; see [`crate::target`].
-    fn targets(&self, next_obs: &Tensor, n_step_returns: &[f32], discounts: &[f32]) -> Result<Vec<f32>> {
-        let q = |network: &Mlp| read(&network.forward(next_obs)?, <[f32]>::to_vec);
-        let target_next = q(&self.target)?;
-        let rows = n_step_returns.iter().zip(discounts).zip(target_next.chunks_exact(self.n_actions()));
-        Ok(match self.rule {
-            TargetRule::Dqn => rows.map(|((&g, &discount), target)| target::dqn(g, discount, target)).collect(),
-            TargetRule::DoubleDqn => {
-                let online_next = q(&self.online_view)?;
-                rows.zip(online_next.chunks_exact(self.n_actions()))
-                    .map(|(((&g, &discount), target), online)| target::double_dqn(g, discount, online, target))
-                    .collect()
-            }
-        })
+    /// Makes the buffers those for minibatches of `n`; memory is taken at the first step, not with the agent.
+    fn fit_buffers(&mut self, n: usize) -> Result<()> {
+        if self.buffers.activations.elem_count() != n * self.network.n_units() {
+            self.buffers = Buffers::new(&self.network, n)?;
+        }
+        Ok(())
     }
 
-    /// The derivative of the mean loss with respect to Q `[n, n_actions]`, the mean loss, and the mean Q(s, a).
-    fn derivative(&self, q: &[f32], actions: &[u32], targets: &[f32]) -> (Vec<f32>, f32, f32) {
-        let mut derivative = vec![0.0; q.len()];
-        let (mut loss, mut sum_q) = (0.0, 0.0);
-        let per_row = 1.0 / actions.len() as f32;
-        for (row, (&action, y)) in actions.iter().zip(targets).enumerate() {
-            let at = row * self.n_actions() + action as usize;
-            let error = q[at] - y;
-            derivative[at] = per_row * self.loss.gradient(error);
-            loss += self.loss.value(error);
-            sum_q += q[at];
+    /// The targets `y` of a minibatch; see [`crate::target`].
+    fn compute_targets(&mut self, batch: &MiniBatch) -> Result<()> {
+        let Buffers { activations, derivatives, targets, .. } = &mut self.buffers;
+        let (network, n) = (&self.network, batch.actions.len());
+        let forward = Forward { network, obs: &batch.next_obs };
+        activations.inplace_op2(&self.memory.target, &forward)?;
+        if self.rule == TargetRule::DoubleDqn {
+            // Derivatives come later; until then a second set of activations may have their place.
+            derivatives.inplace_op2(&self.memory.online, &forward)?;
         }
-        (derivative, per_row * loss, per_row * sum_q)
+        targets.clear();
+        read(activations, |of_target| {
+            read(derivatives, |of_online| {
+                let returns = batch.n_step_returns.iter().zip(&batch.discounts);
+                let q = network.q_rows(of_target, n).zip(network.q_rows(of_online, n));
+                targets.extend(q.zip(returns).map(|((of_target, of_online), (&g, &discount))| match self.rule {
+                    TargetRule::Dqn => target::dqn(g, discount, of_target),
+                    TargetRule::DoubleDqn => target::double_dqn(g, discount, of_online, of_target),
+                }));
+            })
+        })?
     }
 
-    /// Lets the target and the averaged network follow the step just taken.
-    fn follow(&self) -> Result<()> {
-        match self.target_network {
-            TargetUpdate::Soft { tau } => self.target.move_towards(&self.online_view, tau as f32)?,
-            TargetUpdate::Hard { every } if self.n_gradient_steps.is_multiple_of(every) => {
-                self.target.move_towards(&self.online_view, 1.0)?;
-            }
-            TargetUpdate::Hard { .. } => {}
-        }
-        self.averaged.move_towards(&self.online_view, average_rate(self.average, self.n_gradient_steps) as f32)
+    /// The gradient of the mean loss; returns that loss and the mean Q(s, a).
+    fn compute_gradient(&mut self, batch: &MiniBatch) -> Result<(f32, f32)> {
+        let Buffers { activations, derivatives, gradient, targets, d_q, .. } = &mut self.buffers;
+        let (network, obs, weights) = (&self.network, &batch.obs[..], &self.memory.online);
+        activations.inplace_op2(weights, &Forward { network, obs })?;
+        let figures = read(activations, |activations| {
+            differentiate(self.loss, network.q(activations, targets.len()), &batch.actions, targets, d_q)
+        })?;
+        derivatives.inplace_op3(activations, weights, &BackPropagate { network, d_q })?;
+        gradient.inplace_op3(activations, derivatives, &Gradient { network, obs })?;
+        Ok(figures)
+    }
+
+    /// By how much the target and the averaged network follow the gradient step just counted.
+    fn follow(&self) -> Follow {
+        let tau = match self.target_network {
+            TargetUpdate::Soft { tau } => tau as f32,
+            TargetUpdate::Hard { every } => f32::from(u8::from(self.n_gradient_steps.is_multiple_of(every))),
+        };
+        Follow { tau, average: average_rate(self.average, self.n_gradient_steps) as f32 }
     }
 
     fn check_finite(&self, what: &'static str, value: f32) -> std::result::Result<(), RlError> {
@@ -164,39 +173,55 @@ impl Learner {
 
     /// The averaged weights.
     pub(crate) fn layers(&self) -> Result<Vec<Layer>> {
-        self.averaged.layers()
+        read(&self.memory.averaged, |weights| self.network.unflatten(weights))
     }
 
     /// Puts the same weights into all three networks and forgets the moments.
     pub(crate) fn start_from(&mut self, layers: &[Layer]) -> Result<()> {
-        for network in [&self.online, &self.target, &self.averaged] {
-            network.assign(layers)?;
-        }
-        let zeros: Vec<Layer> = layers.iter().map(Layer::zeros_like).collect();
-        self.adam.set_state(0, &zeros, &zeros)
+        self.memory = Memory::new(&self.network.flatten(layers))?;
+        self.n_adam_steps = 0;
+        Ok(())
     }
 
     pub(crate) fn state(&self) -> Result<LearnerState> {
-        let (n_adam_steps, first_moments, second_moments) = self.adam.state()?;
-        Ok(LearnerState {
-            n_gradient_steps: self.n_gradient_steps,
-            n_adam_steps,
-            online: self.online_view.layers()?,
-            target: self.target.layers()?,
-            averaged: self.averaged.layers()?,
-            first_moments,
-            second_moments,
-        })
+        let Self { n_gradient_steps, n_adam_steps, .. } = *self;
+        Ok(LearnerState { n_gradient_steps, n_adam_steps, memory: self.memory.numbers()? })
     }
 
     pub(crate) fn set_state(&mut self, state: &LearnerState) -> Result<()> {
-        self.online.assign(&state.online)?;
-        self.target.assign(&state.target)?;
-        self.averaged.assign(&state.averaged)?;
-        self.adam.set_state(state.n_adam_steps, &state.first_moments, &state.second_moments)?;
-        self.n_gradient_steps = state.n_gradient_steps;
+        self.memory = Memory::from_numbers(&state.memory)?;
+        (self.n_gradient_steps, self.n_adam_steps) = (state.n_gradient_steps, state.n_adam_steps);
         Ok(())
     }
+}
+
+impl Buffers {
+    fn new(network: &Network, n: usize) -> Result<Self> {
+        Ok(Self {
+            activations: zeros(n * network.n_units())?,
+            derivatives: zeros(n * network.n_units())?,
+            gradient: zeros(network.n_weights())?,
+            targets: Vec::new(),
+            d_q: Vec::new(),
+        })
+    }
+}
+
+/// Sets `d_q` `[n, n_actions]` to the derivative of the mean loss with respect to Q; returns that loss and the mean
+/// Q(s, a).
+fn differentiate(loss: LossFn, q: &[f32], actions: &[u32], targets: &[f32], d_q: &mut Vec<f32>) -> (f32, f32) {
+    d_q.clear();
+    d_q.resize(q.len(), 0.0);
+    let (mut sum, mut sum_q) = (0.0, 0.0);
+    let (n_actions, per_row) = (q.len() / actions.len(), 1.0 / actions.len() as f32);
+    for (row, (&action, y)) in actions.iter().zip(targets).enumerate() {
+        let at = row * n_actions + action as usize;
+        let error = q[at] - y;
+        d_q[at] = per_row * loss.gradient(error);
+        sum += loss.value(error);
+        sum_q += q[at];
+    }
+    (per_row * sum, per_row * sum_q)
 }
 
 /// The rate of an unbiased moving average at step `t`, from 1: `rate / (1 - (1 - rate)^t)`.

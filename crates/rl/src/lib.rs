@@ -44,9 +44,10 @@
 //! - [`Agent`], [`Mode`], [`StepBatch`], [`Loss`]: the seam. `observe` checks its batch; nothing behind it checks again.
 //! - [`DqnSpec`]: plain data, validated once by [`DqnSpec::build`].
 //! - [`target`], [`LossFn`], [`n_step_return`], the schedules: the formulas, as pure functions. The learner calls these
-//!   very functions on rows of Q-values and hands candle only the gradient with respect to Q, so what the tests pin by
-//!   hand is what runs.
-//! - [`Dqn`]: n-step queues -> replay -> learner (online, target and averaged networks, Adam).
+//!   very functions on rows of Q-values and carries only the derivative with respect to Q back to the weights, so what the
+//!   tests pin by hand is what runs.
+//! - [`Dqn`]: n-step queues -> replay, which keeps every observation once -> learner (online, target and averaged
+//!   networks, Adam). Networks are candle tensors; a pass forward, a pass back and a step of Adam are one operation each.
 //!
 //! # Determinism
 //! Every random number comes from ChaCha8 streams named `weights`, `exploration` and `replay`, derived from one seed.
@@ -58,21 +59,22 @@ mod adam;
 mod agent;
 mod batch;
 mod checkpoint;
-mod dense;
 mod dqn;
 mod error;
-mod inplace;
 mod kernel;
 mod learner;
 mod loss_fn;
+mod mlp;
 mod n_step;
 mod network;
+mod observations;
 mod random;
 mod replay;
 mod schedule;
 mod spec;
 mod tabular;
 pub mod target;
+mod tensors;
 
 #[cfg(test)]
 mod reference;

@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{batch::Step, checkpoint::f32_bytes, replay::Transition};
+use crate::batch::Step;
+use crate::checkpoint::f32_bytes;
+use crate::observations::{Observations, Row};
+use crate::replay::Transition;
 
 /// The discounted sum of rewards in order of time: `r_1 + gamma r_2 + ... + gamma^(k-1) r_k` (Sutton and Barto 2018, eq. 7.1
 /// without its bootstrap).
@@ -22,47 +25,61 @@ where
 ///
 /// A step leaves its queue when `n_step` rewards have been heard, or when its episode ends: then the whole queue is
 /// flushed with the partial returns, so that no step is lost and no return crosses the end of an episode.
+///
+/// Queues hold the observations of the steps that wait, and of every environment the latest `next_obs`: where the next
+/// step begins with the same numbers, as it does within an episode, they are not stored again.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct NStepQueues {
-    obs_dim: usize,
     n_step: usize,
     gamma: f32,
-    /// `[n_envs, n_step, obs_dim]`; rows are slots of rings.
-    #[serde(with = "f32_bytes")]
-    obs: Vec<f32>,
+    /// `[n_envs, n_step]`; columns are slots of rings.
+    obs: Vec<Row>,
     /// `[n_envs, n_step]`.
     actions: Vec<u32>,
     /// `[n_envs, n_step]`, scaled.
     #[serde(with = "f32_bytes")]
     rewards: Vec<f32>,
-    /// `[n_envs]`: the oldest slot and the number of steps that wait.
+    /// `[n_envs]`: the oldest slot, the number of steps that wait, and what the latest step led to.
     oldest: Vec<usize>,
     len: Vec<usize>,
+    latest: Vec<Option<Row>>,
 }
 
 impl NStepQueues {
-    pub(crate) fn new(n_envs: usize, obs_dim: usize, n_step: usize, gamma: f32) -> Self {
+    pub(crate) fn new(n_envs: usize, n_step: usize, gamma: f32) -> Self {
         Self {
-            obs_dim,
             n_step,
             gamma,
-            obs: vec![0.0; n_envs * n_step * obs_dim],
+            obs: vec![0; n_envs * n_step],
             actions: vec![0; n_envs * n_step],
             rewards: vec![0.0; n_envs * n_step],
             oldest: vec![0; n_envs],
             len: vec![0; n_envs],
+            latest: vec![None; n_envs],
         }
     }
 
-    /// Takes in a step of one environment and hands on every transition that it completes, oldest first.
-    pub(crate) fn push(&mut self, env: usize, step: &Step<'_>, mut store: impl FnMut(Transition<'_>)) {
-        self.append(env, step);
+    /// Takes in a step of one environment and hands on every transition that it completes, oldest first, with a hold on
+    /// both of its observations.
+    pub(crate) fn push(
+        &mut self,
+        env: usize,
+        step: &Step<'_>,
+        observations: &mut Observations,
+        mut store: impl FnMut(&mut Observations, Transition),
+    ) {
+        let obs = self.row_of(env, step.obs, observations);
+        self.append(env, obs, step);
+        let next_obs = observations.insert(step.next_obs);
+        self.latest[env] = Some(next_obs);
         let ended = step.terminated || step.truncated;
         let n_complete = if ended { self.len[env] } else { usize::from(self.len[env] == self.n_step) };
         for _ in 0..n_complete {
-            store(self.oldest(env, step));
+            observations.hold(next_obs);
+            let transition = self.oldest(env, next_obs, step.terminated);
             self.oldest[env] = (self.oldest[env] + 1) % self.n_step;
             self.len[env] -= 1;
+            store(observations, transition);
         }
     }
 
@@ -74,35 +91,58 @@ impl NStepQueues {
         self.gamma
     }
 
-    /// Whether queues read from a stream can stand in for `other`.
+    /// Every hold on an observation.
+    pub(crate) fn holds(&self) -> impl Iterator<Item = Row> {
+        let waiting = (0..self.len.len()).flat_map(|env| self.waiting(env));
+        waiting.chain(self.latest.iter().copied().flatten())
+    }
+
+    /// The observations of an environment's waiting steps.
+    fn waiting(&self, env: usize) -> impl Iterator<Item = Row> {
+        (0..self.len[env]).map(move |i| self.obs[self.slot(env, i)])
+    }
+
+    /// Whether queues read from a stream can stand in for `other`, but for their holds.
     pub(crate) fn fits(&self, other: &Self, n_actions: usize) -> bool {
-        (self.obs_dim, self.n_step, self.obs.len()) == (other.obs_dim, other.n_step, other.obs.len())
+        (self.n_step, self.gamma, self.obs.len()) == (other.n_step, other.gamma, other.obs.len())
             && (self.actions.len(), self.rewards.len()) == (other.actions.len(), other.rewards.len())
             && (self.oldest.len(), self.len.len()) == (other.oldest.len(), other.len.len())
+            && self.latest.len() == other.latest.len()
             && self.oldest.iter().all(|&slot| slot < self.n_step)
             && self.len.iter().all(|&len| len < self.n_step)
             && self.actions.iter().all(|&action| (action as usize) < n_actions)
     }
 
+    /// The row of what was seen before a step, with a hold on it: the latest one's, if the numbers are the same.
+    fn row_of(&mut self, env: usize, obs: &[f32], observations: &mut Observations) -> Row {
+        match self.latest[env].take() {
+            Some(row) if same(observations.get(row), obs) => row,
+            latest => {
+                latest.into_iter().for_each(|row| observations.release(row));
+                observations.insert(obs)
+            }
+        }
+    }
+
     /// Writes a step into the newest slot; there is room, since a full queue hands on at once.
-    fn append(&mut self, env: usize, step: &Step<'_>) {
+    fn append(&mut self, env: usize, obs: Row, step: &Step<'_>) {
         let slot = self.slot(env, self.len[env]);
-        self.obs[slot * self.obs_dim..][..self.obs_dim].copy_from_slice(step.obs);
+        self.obs[slot] = obs;
         self.actions[slot] = step.action;
         self.rewards[slot] = step.reward;
         self.len[env] += 1;
     }
 
-    /// The oldest waiting step as a transition that ends in `last`.
-    fn oldest<'a>(&'a self, env: usize, last: &Step<'a>) -> Transition<'a> {
+    /// The oldest waiting step as a transition that leads to `next_obs`.
+    fn oldest(&self, env: usize, next_obs: Row, terminated: bool) -> Transition {
         let k = self.len[env];
         let slot = self.slot(env, 0);
         Transition {
-            obs: &self.obs[slot * self.obs_dim..][..self.obs_dim],
+            obs: self.obs[slot],
             action: self.actions[slot],
             n_step_return: n_step_return((0..k).map(|age| self.rewards[self.slot(env, age)]), self.gamma),
-            next_obs: last.next_obs,
-            discount: if last.terminated { 0.0 } else { self.gamma.powi(k as i32) },
+            next_obs,
+            discount: if terminated { 0.0 } else { self.gamma.powi(k as i32) },
         }
     }
 
@@ -112,9 +152,15 @@ impl NStepQueues {
     }
 }
 
+/// Whether two observations are the same, bit for bit.
+fn same(a: &[f32], b: &[f32]) -> bool {
+    a.iter().zip(b).fold(true, |same, (a, b)| same & (a.to_bits() == b.to_bits()))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::replay::Replay;
     use proptest::prelude::*;
 
     #[derive(Debug, Clone, Copy)]
@@ -129,7 +175,8 @@ mod tests {
 
     /// Pushes steps `t -> t + 1` with action `t` and reward `2^t` of one environment.
     fn run(n_step: usize, gamma: f32, ends: &[End]) -> Vec<Stored> {
-        let mut queues = NStepQueues::new(1, 1, n_step, gamma);
+        let mut queues = NStepQueues::new(1, n_step, gamma);
+        let mut observations = Observations::new(1);
         let mut stored = Vec::new();
         for (t, end) in ends.iter().enumerate() {
             let step = Step {
@@ -140,7 +187,10 @@ mod tests {
                 terminated: matches!(end, End::Terminated),
                 truncated: matches!(end, End::Truncated),
             };
-            queues.push(0, &step, |t| stored.push((t.obs[0], t.action, t.n_step_return, t.next_obs[0], t.discount)));
+            queues.push(0, &step, &mut observations, |observations, t| {
+                let [obs, next_obs] = [t.obs, t.next_obs].map(|row| observations.get(row)[0]);
+                stored.push((obs, t.action, t.n_step_return, next_obs, t.discount));
+            });
         }
         stored
     }
@@ -181,17 +231,34 @@ mod tests {
 
     #[test]
     fn environments_do_not_mix() {
-        let mut queues = NStepQueues::new(2, 1, 2, 1.0);
+        let mut queues = NStepQueues::new(2, 2, 1.0);
+        let mut observations = Observations::new(1);
         let mut stored = Vec::new();
         for t in 0..2 {
             for env in 0..2 {
                 let reward = if env == 0 { 1.0 } else { 10.0 };
                 let obs = [env as f32];
                 let step = Step { obs: &obs, action: t, reward, next_obs: &obs, terminated: false, truncated: false };
-                queues.push(env, &step, |t| stored.push((t.obs[0], t.n_step_return)));
+                queues.push(env, &step, &mut observations, |observations, t| {
+                    stored.push((observations.get(t.obs)[0], t.n_step_return));
+                });
             }
         }
         assert_eq!(stored, [(0.0, 2.0), (1.0, 20.0)]);
+    }
+
+    #[test]
+    fn an_observation_is_stored_once_within_an_episode_and_never_confused_with_another() {
+        let (mut queues, mut observations) = (NStepQueues::new(1, 2, 1.0), Observations::new(1));
+        let mut stored = Vec::new();
+        // Four steps that begin where the one before led to, then one that does not, though only by a sign of zero.
+        for (obs, next_obs) in [(1.0, 2.0), (2.0, 3.0), (3.0, 4.0), (4.0, 0.0), (-0.0, 5.0)] {
+            let (obs, next_obs) = (&[obs], &[next_obs]);
+            let step = Step { obs, action: 0, reward: 0.0, next_obs, terminated: false, truncated: false };
+            queues.push(0, &step, &mut observations, |_, t| stored.push((t.obs, t.next_obs)));
+        }
+        assert_eq!(stored, [(0, 2), (1, 3), (2, 4), (3, 6)]);
+        assert_eq!([4, 5, 6].map(|row| observations.get(row)[0].to_bits()), [0.0f32, -0.0, 5.0].map(f32::to_bits));
     }
 
     fn ends() -> impl Strategy<Value = Vec<End>> {
@@ -214,6 +281,32 @@ mod tests {
                 expected.push((t as f32, t as u32, rewards, last as f32 + 1.0, discount));
             }
             prop_assert_eq!(run(n_step, gamma, &ends), expected);
+        }
+
+        /// What leaks would stay for ever, and what is released too early would be overwritten.
+        #[test]
+        fn every_hold_is_released_once(
+            ends in ends(),
+            jumps in prop::collection::vec(any::<bool>(), 60),
+            n_step in 1usize..5,
+            capacity in 1usize..12,
+        ) {
+            let (mut queues, mut observations) = (NStepQueues::new(2, n_step, 0.5), Observations::new(1));
+            let mut replay = Replay::new(capacity);
+            for (t, end) in ends.iter().enumerate() {
+                let step = Step {
+                    obs: &[if jumps[t] { -1.0 } else { t as f32 }],
+                    action: 0,
+                    reward: 0.0,
+                    next_obs: &[t as f32 + 2.0],
+                    terminated: matches!(end, End::Terminated),
+                    truncated: matches!(end, End::Truncated),
+                };
+                queues.push(t % 2, &step, &mut observations, |observations, t| replay.push(observations, t));
+                let mut recounted = observations.clone();
+                prop_assert!(recounted.recount(1, queues.holds().chain(replay.holds())));
+                prop_assert_eq!(&recounted, &observations);
+            }
         }
     }
 }

@@ -2,13 +2,14 @@
 
 use rand::RngExt;
 
-use crate::learner::{Learner, LearnerState};
-use crate::network::{Layer, flatten};
+use crate::adam::N_ROWS;
+use crate::learner::Learner;
+use crate::network::{Layer, Network};
 use crate::random::stream;
 use crate::replay::MiniBatch;
 use crate::{AdamSpec, DqnSpec, GradientClip, LossFn, TargetRule, TargetUpdate};
 
-/// All weights in a row, as in [`flatten`]; `widths` give them their meaning.
+/// All weights in a row, in the order of [`Layer`]; `WIDTHS` give them their meaning.
 type Weights = Vec<f64>;
 
 const WIDTHS: [usize; 4] = [5, 7, 6, 3];
@@ -74,13 +75,11 @@ fn max_index(q: &[f64]) -> usize {
 }
 
 impl Reference {
-    fn new(spec: &DqnSpec, state: &LearnerState) -> Self {
-        let wide = |layers: &[Layer]| flatten(layers).iter().map(|&x| f64::from(x)).collect::<Weights>();
-        let online = wide(&state.online);
+    fn new(spec: &DqnSpec, [online, target, ..]: [Weights; N_ROWS]) -> Self {
         let zeros = vec![0.0; online.len()];
         Self {
             spec: spec.clone(),
-            target: wide(&state.target),
+            target,
             averaged: online.clone(),
             m: zeros.clone(),
             v: zeros.clone(),
@@ -167,39 +166,52 @@ fn batch(rng: &mut rand_chacha::ChaCha8Rng) -> MiniBatch {
         n_step_returns,
         next_obs,
         discounts: (0..BATCH_SIZE).map(|i| [0.857, 0.0, 0.95][i % 3]).collect(),
+        ..MiniBatch::default()
     }
 }
 
-fn assert_close(what: &str, found: &[Layer], expected: &[f64]) {
-    for (i, (found, expected)) in flatten(found).iter().zip(expected).enumerate() {
-        assert!((f64::from(*found) - expected).abs() < 2e-5, "{what}[{i}]: {found}, expected {expected}");
+fn assert_close(what: &str, found: &[f64], expected: &[f64]) {
+    for (i, (found, expected)) in found.iter().zip(expected).enumerate() {
+        assert!((found - expected).abs() < 2e-5, "{what}[{i}]: {found}, expected {expected}");
     }
+}
+
+/// The five rows of a learner's memory: online, target, averaged, first and second moments.
+fn rows(learner: &Learner) -> [Weights; N_ROWS] {
+    let memory = learner.state().unwrap().memory;
+    let mut rows = memory.chunks(memory.len() / N_ROWS).map(|row| {
+        let layers = learner.network.unflatten(row);
+        layers.iter().flat_map(|Layer { weight, bias }| weight.iter().chain(bias)).map(|&x| f64::from(x)).collect()
+    });
+    std::array::from_fn(|_| rows.next().unwrap())
 }
 
 fn check(spec: DqnSpec) {
     let mut rng = stream(3, "reference");
     let mut learner = Learner::new(&spec, WIDTHS[0], WIDTHS[3], &mut rng).unwrap();
     // Start from networks that differ, or the two rules would agree.
-    let other = Learner::new(&spec, WIDTHS[0], WIDTHS[3], &mut rng).unwrap().layers().unwrap();
-    let state = LearnerState { target: other, ..learner.state().unwrap() };
+    let other = Network::new(WIDTHS[0], &WIDTHS[1..3], WIDTHS[3]).initialise(&mut rng);
+    let mut state = learner.state().unwrap();
+    let n_weights = learner.network.n_weights();
+    state.memory[n_weights..2 * n_weights].copy_from_slice(&learner.network.flatten(&other));
     learner.set_state(&state).unwrap();
-    let mut reference = Reference::new(&spec, &state);
+    let mut reference = Reference::new(&spec, rows(&learner));
     for _ in 0..5 {
         let batch = batch(&mut rng);
         let (value, mean_q, norm) = reference.step(&batch);
-        let loss = learner.step(batch, RATE).unwrap();
+        let loss = learner.step(&batch, RATE).unwrap();
         for (found, expected) in [(loss.value, value), (loss.mean_q, mean_q), (loss.grad_norm, norm)] {
             assert!(
                 (f64::from(found) - expected).abs() < 1e-4 * expected.abs().max(1.0),
                 "{loss:?}, expected {expected}"
             );
         }
-        let state = learner.state().unwrap();
-        assert_close("online", &state.online, &reference.online);
-        assert_close("target", &state.target, &reference.target);
-        assert_close("averaged", &state.averaged, &reference.averaged);
-        assert_close("first moment", &state.first_moments, &reference.m);
-        assert_close("second moment", &state.second_moments, &reference.v);
+        let [online, target, averaged, m, v] = rows(&learner);
+        assert_close("online", &online, &reference.online);
+        assert_close("target", &target, &reference.target);
+        assert_close("averaged", &averaged, &reference.averaged);
+        assert_close("first moment", &m, &reference.m);
+        assert_close("second moment", &v, &reference.v);
     }
 }
 
@@ -207,7 +219,8 @@ fn check(spec: DqnSpec) {
 fn the_gradient_step_equals_a_slow_reference() {
     // A large eps keeps Adam's division well conditioned, so that f32 and f64 can be compared.
     let adam = AdamSpec { eps: 1e-2, ..AdamSpec::default() };
-    let base = DqnSpec { hidden: WIDTHS[1..3].to_vec(), adam, average: 0.3, ..DqnSpec::default() };
+    let hidden = WIDTHS[1..3].to_vec();
+    let base = DqnSpec { hidden, adam, average: 0.3, ..DqnSpec::default() };
     for target in [TargetRule::Dqn, TargetRule::DoubleDqn] {
         for loss in [LossFn::Huber { delta: 1.0 }, LossFn::Mse {}] {
             for grad_clip in [GradientClip::Off {}, GradientClip::Norm { max: 0.1 }] {
@@ -225,9 +238,9 @@ fn a_loss_that_is_not_finite_is_an_error_and_leaves_the_weights_alone() {
     let mut rng = stream(3, "reference");
     let spec = DqnSpec { loss: LossFn::Mse {}, ..DqnSpec::default() };
     let mut learner = Learner::new(&spec, WIDTHS[0], WIDTHS[3], &mut rng).unwrap();
-    let before = learner.layers().unwrap();
+    let before = rows(&learner);
     let batch = MiniBatch { n_step_returns: vec![1e30; BATCH_SIZE], ..batch(&mut rng) };
-    let message = learner.step(batch, RATE).unwrap_err().to_string();
+    let message = learner.step(&batch, RATE).unwrap_err().to_string();
     assert!(message.starts_with("training diverged at gradient step 1: loss = inf"), "{message}");
-    assert_eq!(learner.state().unwrap().online, before);
+    assert_eq!(rows(&learner), before);
 }

@@ -47,7 +47,8 @@ pub struct DqnSpec {
     pub update_every: u64,
     /// The number of env steps before updates begin to become due.
     pub warm_up: u64,
-    /// The number of transitions the replay holds; at least `batch_size`. Memory grows with what is stored.
+    /// The number of transitions the replay holds; at least `batch_size`. Memory grows with what is stored: observations
+    /// are kept once, so that a transition takes `4 obs_dim + 24` bytes, and the end of an episode `4 obs_dim + 4` more.
     pub replay_capacity: usize,
     /// How the target network follows the online network.
     pub target_network: TargetUpdate,

@@ -6,12 +6,21 @@ use headway_rl::{Agent, DqnSpec, Epsilon, LearningRate, StepBatch, TargetRule, T
 use plain::{Batch, Plain};
 
 #[test]
+fn dqn_agrees_with_plain_candle_over_many_steps() {
+    agree_over_many_steps(TargetRule::Dqn);
+}
+
+#[test]
 fn double_dqn_agrees_with_plain_candle_over_many_steps() {
+    agree_over_many_steps(TargetRule::DoubleDqn);
+}
+
+fn agree_over_many_steps(target: TargetRule) {
     const OBS_DIM: usize = 4;
     const N_ACTIONS: usize = 3;
     const BATCH: usize = 8;
     let spec = DqnSpec {
-        target: TargetRule::DoubleDqn,
+        target,
         hidden: vec![16, 16],
         n_step: 1,
         learning_rate: LearningRate { start: 0.01, end: 0.01 },
@@ -25,7 +34,7 @@ fn double_dqn_agrees_with_plain_candle_over_many_steps() {
         ..DqnSpec::default()
     };
     let mut agent = spec.build(OBS_DIM, N_ACTIONS, 1, 1000, 5).unwrap();
-    let mut plain = Plain::new(&agent.layers().unwrap(), 0.01, 0.1).unwrap();
+    let mut plain = Plain::new(target, &agent.layers().unwrap(), 0.01, 0.1).unwrap();
     // One transition again and again: whatever is drawn from the replay, the minibatch is known.
     let (obs, next_obs, reward) = ([0.3, -0.7, 0.2, 0.9], [0.5, -0.4, 0.1, 0.8], 2.5);
     let repeat = |row: &[f32]| row.repeat(BATCH);

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{Corridors, N_ACTIONS, N_STATES};
-use headway_rl::{Agent, Dqn, DqnSpec, TabularSpec, TargetRule};
+use headway_rl::{Agent, Dqn, DqnSpec, Mode, StepBatch, TabularSpec, TargetRule};
 
 const N_ENVS: usize = 4;
 
@@ -106,6 +106,44 @@ fn a_stream_cut_short_anywhere_is_an_error_and_changes_nothing() {
         assert!(other.load(&mut &bytes[..len]).is_err(), "{len} of {} bytes", bytes.len());
     }
     assert!(saved(&other) == before);
+}
+
+/// Whatever a damaged stream says, it is refused, or makes an agent whose every index is within bounds.
+#[test]
+fn a_damaged_stream_never_makes_an_agent_that_panics() {
+    let (mut agent, mut corridors) = (build(&spec(), 1), Corridors::new(N_ENVS));
+    train(&mut agent, &mut corridors, 120);
+    let bytes = saved(&agent);
+    let (mut n_refused, mut n_loaded) = (0, 0);
+    for at in (0..bytes.len()).step_by(7) {
+        for damage in [0x01, 0x80, 0xff] {
+            let mut bytes = bytes.clone();
+            bytes[at] ^= damage;
+            let mut other = build(&spec(), 2);
+            if other.load(&mut bytes.as_slice()).is_err() {
+                n_refused += 1;
+                continue;
+            }
+            n_loaded += 1;
+            for _ in 0..20 {
+                let mut actions = [0; N_ENVS];
+                other.act(&corridors.obs(), Mode::Explore, &mut actions).unwrap();
+                other
+                    .observe(StepBatch {
+                        obs: &corridors.obs(),
+                        actions: &actions,
+                        rewards: &[1.0; N_ENVS],
+                        next_obs: &corridors.obs(),
+                        terminated: &[false; N_ENVS],
+                        truncated: &[true; N_ENVS],
+                    })
+                    .unwrap();
+                // Numbers may have become infinite, which is an error of its own.
+                _ = other.update();
+            }
+        }
+    }
+    assert!(n_refused > 100 && n_loaded > 100, "{n_refused} refused, {n_loaded} loaded");
 }
 
 #[test]

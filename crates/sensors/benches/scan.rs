@@ -6,7 +6,10 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use headway_sensors::{Lidar, LidarSpec};
-use headway_sim::{Obstacle, Outline, Point, Pose, Room, Shape, Surface, VehicleSpec, World, WorldSpec, stream};
+use headway_sim::{
+    Interval, Obstacle, Outline, Point, Pose, Quantity, Room, RoomSpec, Scenario, Shape, Surface, VehicleSpec, World,
+    WorldSpec, stream,
+};
 use parry2d::math::Vector;
 use parry2d::partitioning::{Bvh, BvhBuildStrategy};
 use parry2d::query::{Ray, RayCast};
@@ -102,9 +105,7 @@ fn scan(c: &mut Criterion) {
             b.iter(|| rival.scan(&lidar, black_box(&pose), &mut theirs));
         });
     }
-    let vehicle = VehicleSpec::default().build().expect("valid");
-    let source = WorldSpec::default().build(vehicle.footprint()).expect("valid");
-    let scenario = source.scenario(0, 0).expect("there is room");
+    let scenario = scenario(RoomSpec::room_10x15());
     let lidar = LidarSpec::default().build().expect("valid");
     let (mut ranges, mut rng) = ([0.0; 36], stream(0, "noise", 0));
     group.throughput(Throughput::Elements(36));
@@ -114,5 +115,34 @@ fn scan(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, scan);
+fn scenario(room: RoomSpec) -> Scenario {
+    let vehicle = VehicleSpec::default().build().expect("valid");
+    let source = WorldSpec::Room(room).build(vehicle.footprint()).expect("valid");
+    source.scenario(0, 0).expect("there is room")
+}
+
+/// Cost as beams grow in number, in the room of `scan/*`, and as obstacles do, with a range of 5 m and as dense as in the
+/// default's small room.
+fn scaling(c: &mut Criterion) {
+    let mut scan = |name: String, spec: LidarSpec, world: &World, pose: &Pose| {
+        let lidar = spec.build().expect("valid");
+        let (mut ranges, mut rng) = (vec![0.0; spec.n_beams], stream(0, "noise", 0));
+        c.bench_function(&name, |b| b.iter(|| lidar.scan(black_box(world), black_box(pose), &mut rng, &mut ranges)));
+    };
+    let (world, pose) = room();
+    for n_beams in [36, 72, 180, 360, 720, 1080] {
+        let spec = LidarSpec { n_beams, max_range: 30.0, ..LidarSpec::default() };
+        scan(format!("scan_scaling/beams/{n_beams}"), spec, &world, &pose);
+    }
+    for n_obstacles in [10, 30, 100, 300, 1000] {
+        let side = Interval::Fixed((n_obstacles as f64 / 0.08).sqrt());
+        let obstacles = Quantity::Count(n_obstacles);
+        let Scenario { world, start, .. } =
+            scenario(RoomSpec { width: side, height: side, obstacles, ..RoomSpec::default() });
+        let spec = LidarSpec { n_beams: 360, ..LidarSpec::default() };
+        scan(format!("scan_scaling/obstacles/{n_obstacles}"), spec, &world, &start);
+    }
+}
+
+criterion_group!(benches, scan, scaling);
 criterion_main!(benches);

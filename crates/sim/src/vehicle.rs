@@ -261,7 +261,11 @@ mod tests {
         let spec = VehicleSpec { max_yaw_rate: yaw_rate, ..VehicleSpec::default() };
         let mut state = VehicleState::at_rest(Pose::translation(5.0, 5.0));
         state.twist.z = yaw_rate;
-        let motion = Vehicle { substep: spec.control_period / 4.0, spec, footprint }.step(&world, &mut state, Command { speed: 0.0, yaw_rate });
+        let motion = Vehicle { substep: spec.control_period / 4.0, spec, footprint }.step(
+            &world,
+            &mut state,
+            Command { speed: 0.0, yaw_rate },
+        );
         assert_eq!(motion.duration, 0.2);
     }
 }

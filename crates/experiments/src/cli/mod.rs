@@ -8,6 +8,7 @@ pub mod list;
 pub mod report;
 pub mod run;
 mod speed;
+mod work;
 
 use std::io::{self, Write};
 use std::process::ExitCode;

@@ -15,10 +15,10 @@ const LINE_PERIOD: Duration = Duration::from_secs(10);
 /// What is shown on the standard error stream while jobs run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Display {
-    /// A progress bar.
-    Bar,
-    /// A line about every ten seconds, and one at the end.
-    Lines,
+    /// A progress bar that counts what is named here, in the plural.
+    Bar(&'static str),
+    /// A line about every ten seconds, and one at the end, that counts what is named here.
+    Lines(&'static str),
     /// Nothing.
     Silent,
 }
@@ -38,22 +38,36 @@ struct Snapshot {
     n_finished: usize,
     done: u64,
     elapsed: Duration,
+    noun: &'static str,
 }
 
 impl Display {
-    /// A bar if the standard error stream is a terminal, lines otherwise.
-    pub fn auto() -> Self {
-        if io::stderr().is_terminal() { Self::Bar } else { Self::Lines }
+    /// A bar if the standard error stream is a terminal, lines otherwise; the jobs are called `noun`, in the plural.
+    pub fn auto(noun: &'static str) -> Self {
+        if io::stderr().is_terminal() { Self::Bar(noun) } else { Self::Lines(noun) }
+    }
+
+    /// What the jobs are called.
+    fn noun(self) -> &'static str {
+        match self {
+            Self::Bar(noun) | Self::Lines(noun) => noun,
+            Self::Silent => "jobs",
+        }
     }
 
     /// Shows the progress until the workers, who send one event per job that succeeds, have all hung up.
     pub(super) fn follow(self, work: Work, events: &Receiver<()>, done: &AtomicU64) {
         let bar = self.bar(work);
-        let period = if self == Self::Lines { LINE_PERIOD } else { BAR_PERIOD };
+        let period = if matches!(self, Self::Lines(_)) { LINE_PERIOD } else { BAR_PERIOD };
         let start = Instant::now();
         let (mut n_finished, mut due) = (0, start + period);
-        let snapshot =
-            |n_finished| Snapshot { work, n_finished, done: done.load(Ordering::Relaxed), elapsed: start.elapsed() };
+        let snapshot = |n_finished| Snapshot {
+            work,
+            n_finished,
+            done: done.load(Ordering::Relaxed),
+            elapsed: start.elapsed(),
+            noun: self.noun(),
+        };
         loop {
             match events.recv_timeout(due.saturating_duration_since(Instant::now())) {
                 Ok(()) => n_finished += 1,
@@ -72,22 +86,22 @@ impl Display {
     }
 
     fn bar(self, work: Work) -> ProgressBar {
-        if self != Self::Bar {
+        let Self::Bar(noun) = self else {
             return ProgressBar::hidden();
-        }
+        };
         let style = ProgressStyle::with_template("{bar:30}  {msg}").expect("a valid template");
         let bar = ProgressBar::new(work.amount).with_style(style);
-        bar.set_message(format!("0 of {} runs", work.n_jobs));
+        bar.set_message(format!("0 of {} {noun}", work.n_jobs));
         bar
     }
 
     fn show(self, bar: &ProgressBar, snapshot: &Snapshot) {
         match self {
-            Self::Bar => {
+            Self::Bar(_) => {
                 bar.set_message(snapshot.text());
                 bar.set_position(snapshot.done);
             }
-            Self::Lines => print(snapshot),
+            Self::Lines(_) => print(snapshot),
             Self::Silent => {}
         }
     }
@@ -102,7 +116,7 @@ impl Snapshot {
     /// For example `3 of 40 runs, 25 %, 2 min left`.
     fn text(&self) -> String {
         let seconds = self.elapsed.as_secs_f64();
-        let runs = format!("{} of {} runs", self.n_finished, self.work.n_jobs);
+        let runs = format!("{} of {} {}", self.n_finished, self.work.n_jobs, self.noun);
         if self.n_finished == self.work.n_jobs {
             return format!("{runs}, took {}", time(seconds));
         }
@@ -128,7 +142,7 @@ mod tests {
 
     fn text(n_finished: usize, done: u64, seconds: u64) -> String {
         let work = Work { n_jobs: 40, amount: 4_000_000 };
-        Snapshot { work, n_finished, done, elapsed: Duration::from_secs(seconds) }.text()
+        Snapshot { work, n_finished, done, elapsed: Duration::from_secs(seconds), noun: "runs" }.text()
     }
 
     #[test]

@@ -1,12 +1,13 @@
-//! Double DQN in candle's own layers, operations and optimiser, as its documentation would have one write it: the oracle
+//! DQN and Double DQN in candle's own layers, operations and optimiser, as its documentation would have one write it: the oracle
 //! of a test and the rival of a bench.
 
 use candle_core::{D, Device, Result, Tensor, Var};
 use candle_nn::{AdamW, Linear, Module, Optimizer, ParamsAdamW};
-use headway_rl::Layer;
+use headway_rl::{Layer, TargetRule};
 
 /// One learner with Huber loss (delta 1), Adam and a softly following target network.
 pub(crate) struct Plain {
+    rule: TargetRule,
     vars: Vec<Var>,
     online: Vec<Linear>,
     target: Vec<Linear>,
@@ -49,7 +50,7 @@ impl Batch {
 }
 
 impl Plain {
-    pub(crate) fn new(layers: &[Layer], learning_rate: f64, tau: f64) -> Result<Self> {
+    pub(crate) fn new(rule: TargetRule, layers: &[Layer], learning_rate: f64, tau: f64) -> Result<Self> {
         let (mut vars, mut online, mut target) = (Vec::new(), Vec::new(), Vec::new());
         for layer in layers {
             let n_out = layer.bias.len();
@@ -61,13 +62,19 @@ impl Plain {
         }
         let params = ParamsAdamW { lr: learning_rate, weight_decay: 0.0, ..ParamsAdamW::default() };
         let adam = AdamW::new(vars.clone(), params)?;
-        Ok(Self { vars, online, target, adam, tau })
+        Ok(Self { rule, vars, online, target, adam, tau })
     }
 
     /// One gradient step; the loss before it.
     pub(crate) fn step(&mut self, batch: &Batch) -> Result<Tensor> {
-        let best = forward(&self.online, &batch.next_obs)?.detach().argmax_keepdim(D::Minus1)?;
-        let next = forward(&self.target, &batch.next_obs)?.gather(&best, 1)?.squeeze(1)?;
+        let next = forward(&self.target, &batch.next_obs)?;
+        let next = match self.rule {
+            TargetRule::Dqn => next.max(D::Minus1)?,
+            TargetRule::DoubleDqn => {
+                let best = forward(&self.online, &batch.next_obs)?.detach().argmax_keepdim(D::Minus1)?;
+                next.gather(&best, 1)?.squeeze(1)?
+            }
+        };
         let targets = (&batch.returns + (&batch.discounts * next)?)?.detach();
         let q = forward(&self.online, &batch.obs)?.gather(&batch.actions, 1)?.squeeze(1)?;
         let error = (q - targets)?;
