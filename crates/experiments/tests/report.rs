@@ -5,8 +5,8 @@ use std::path::Path;
 use headway_experiments::episode::{EpisodeRecord, Outcome};
 use headway_experiments::report::{Report, TABLE_WIDTH, load, of_policy};
 use headway_experiments::store::{
-    AxisLevel, Cell, EvaluationKey, GridAxis, Id, Index, IndexedEvaluation, IndexedRun, RunInfo, Stopwatch, Store,
-    TrainKey,
+    AxisLevel, Cell, EvaluationKey, GridAxis, Id, Index, IndexedEvaluation, IndexedRun, RESULTS_VERSION, RunInfo,
+    Stopwatch, Store, TrainKey,
 };
 use serde_json::{Value, json};
 
@@ -239,7 +239,8 @@ fn mixed_versions_and_revisions_are_flagged() {
     let info = RunInfo { results_version: 0, revision: "abc1234".into(), ..RunInfo::new(1, 1) };
     run_of(&Store::open(fixture.path()).unwrap(), 1, skill(1, 1), &info);
     let notes = fixture.report().notes();
-    assert_eq!(notes[0], "warning: runs of several results versions: 0 (1 runs), 1 (11 runs)");
+    let expected = format!("warning: runs of several results versions: 0 (1 runs), {RESULTS_VERSION} (11 runs)");
+    assert_eq!(notes[0], expected);
     assert!(notes[1].starts_with("warning: runs of several code revisions: "), "{notes:?}");
     assert!(notes[1].contains("abc1234 (1 runs)"), "{notes:?}");
 }

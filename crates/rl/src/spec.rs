@@ -171,6 +171,22 @@ impl DqnSpec {
         Dqn::new(self, obs_dim, n_actions, n_envs, n_steps, seed)
     }
 
+    /// The memory of the replay at the end of a training of `n_steps` env steps, bytes: for each of the last
+    /// `replay_capacity` transitions 20 bytes and one observation, of `4 obs_dim + 4`.
+    ///
+    /// All else that an agent holds is small beside it. The end of an episode takes one observation more, so this is never
+    /// exceeded by more than a factor of two, and by a few per cent where episodes are some tens of steps long.
+    ///
+    /// ```
+    /// let spec = headway_rl::DqnSpec::default();
+    /// assert_eq!(spec.replay_bytes(42, 100_000), 100_000 * (20 + 4 * 42 + 4));
+    /// assert_eq!(spec.replay_bytes(42, u64::MAX), 200_000 * 192);
+    /// ```
+    #[must_use]
+    pub fn replay_bytes(&self, obs_dim: usize, n_steps: u64) -> u64 {
+        n_steps.min(self.replay_capacity as u64).saturating_mul(24 + 4 * obs_dim as u64)
+    }
+
     /// Checks every field; `build` does so too.
     ///
     /// # Errors

@@ -33,6 +33,10 @@ pub(super) struct Cost {
     pub(super) driving: f64,
     /// Making the evaluation scenarios of the whole grid: runs share them.
     pub(super) scenarios: f64,
+    /// How many sets of scenarios there are to make; each is made on one core.
+    pub(super) n_sets: usize,
+    /// Bytes that the replay of a run takes, in the cell where it takes most.
+    pub(super) replay_bytes: u64,
     /// How many cells were tried.
     pub(super) n_cells: usize,
 }
@@ -52,11 +56,14 @@ pub(super) fn cost(grid: &Grid) -> Result<Cost, Error> {
     let stride = grid.cells.len().div_ceil(N_CELLS).max(1);
     let trials = grid.cells.iter().step_by(stride).map(|cell| Trial::of(&cell.spec));
     let trials = trials.collect::<Result<Vec<_>, _>>()?;
+    let n_sets = n_scenario_sets(grid);
     let mean = |of: fn(&Trial) -> f64| trials.iter().map(of).sum::<f64>() / trials.len() as f64;
     Ok(Cost {
         training: mean(|trial| trial.training),
         driving: mean(|trial| trial.driving),
-        scenarios: mean(|trial| trial.scenarios) * n_scenario_sets(grid) as f64,
+        scenarios: mean(|trial| trial.scenarios) * n_sets as f64,
+        n_sets,
+        replay_bytes: replay_bytes(grid)?,
         n_cells: trials.len(),
     })
 }
@@ -69,6 +76,16 @@ fn n_scenario_sets(grid: &Grid) -> usize {
     let keys =
         grid.cells.iter().flat_map(|cell| cell.spec.evaluate.worlds.iter().map(move |world| key(&cell.spec, world)));
     keys.collect::<HashSet<_>>().len()
+}
+
+/// The most that the replay of a run takes in any cell, bytes.
+fn replay_bytes(grid: &Grid) -> Result<u64, Error> {
+    let mut most = 0;
+    for spec in grid.cells.iter().map(|cell| &cell.spec) {
+        let obs_dim = spec.training().build().map_err(Error::failure)?.obs_dim();
+        most = most.max(spec.agent.replay_bytes(obs_dim, spec.train.n_steps));
+    }
+    Ok(most)
 }
 
 impl Trial {
