@@ -1,9 +1,10 @@
-//! Time of a vehicle's control period, of a collision test against parry's, of distances as obstacles grow in number, and
-//! of making a scenario.
+//! Time of a vehicle's control period, of collision tests and distances against parry's, of distances as obstacles grow in
+//! number, and of making a scenario.
 //!
-//! `collision/24` asks whether a vehicle among 12 discs and 12 boxes touches anything, at 64 places of which some do. Its rival
-//! `parry_bvh` asks parry2d's bounding-volume hierarchy (f64) for the boxes that the vehicle's box meets, and parry's
-//! intersection test for the shapes in them.
+//! All questions are asked at 64 places among 12 discs and 12 boxes. `collision/24` asks whether a round vehicle touches
+//! anything, `collision_of_box/24` the same of a box; the rival `parry_bvh` asks parry2d's bounding-volume hierarchy (f64)
+//! for the boxes that the vehicle's box meets, and parry's intersection test for the shapes in them. `clearance/24` asks
+//! for the distance to whatever is nearest, as a vehicle's step and rewards need it, and parry for its best leaf by distance.
 
 use std::hint::black_box;
 
@@ -13,11 +14,11 @@ use headway_sim::{
     Command, Footprint, Interval, Kinds, Obstacle, Pose, Quantity, RoomSpec, Scenario, Shape, VehicleSpec,
     VehicleState, World, WorldSpec, stream,
 };
-use parry2d::bounding_volume::BoundingVolume;
+use parry2d::bounding_volume::{Aabb, BoundingVolume};
 use parry2d::math::{Pose as ParryPose, Vector};
 use parry2d::partitioning::{Bvh, BvhBuildStrategy};
-use parry2d::query::intersection_test;
-use parry2d::shape::{Ball, Cuboid, SharedShape};
+use parry2d::query::{distance, intersection_test};
+use parry2d::shape::{Ball, SharedShape};
 
 fn footprint() -> Footprint {
     VehicleSpec::default().build().expect("the default is valid").footprint().clone()
@@ -95,31 +96,53 @@ impl Rival {
         };
         !in_room || self.bvh.leaves(|node| node.aabb().intersects(&bounds)).any(touches)
     }
+
+    fn clearance(&self, room: [f64; 2], shape: &dyn parry2d::shape::Shape, pose: &ParryPose) -> f64 {
+        let bounds = shape.compute_aabb(pose);
+        let to_walls = bounds.mins.min(Vector::new(room[0], room[1]) - bounds.maxs).min_element();
+        let to_box = |other: &Aabb| (bounds.mins - other.maxs).max(other.mins - bounds.maxs).max(Vector::ZERO).length();
+        let to_shape = |leaf: u32| {
+            let (other_pose, other) = &self.shapes[leaf as usize];
+            distance(pose, shape, other_pose, &**other).expect("parry knows these shapes").distance
+        };
+        let nearest = self.bvh.find_best(f64::MAX, |node, _| to_box(&node.aabb()), |leaf, _| Some(to_shape(leaf)));
+        nearest.map_or(to_walls, |(_, distance)| distance.min(to_walls))
+    }
+}
+
+/// A vehicle's name in ids, its outline, and the same in parry.
+fn vehicles() -> [(&'static str, Footprint, SharedShape); 2] {
+    let jackal = Footprint::new(&Shape::Box { length: 0.46, width: 0.42 }).expect("it is valid");
+    [("", footprint(), SharedShape::new(Ball::new(0.25))), ("_of_box", jackal, SharedShape::cuboid(0.23, 0.21))]
 }
 
 fn collision(c: &mut Criterion) {
     let world = scenario(24, Kinds { disc: 1.0, r#box: 1.0, polygon: 0.0 }).world;
     let rival = Rival::new(world.obstacles());
     let (places, room) = (places(&world), [world.room().width, world.room().height]);
-    let jackal = Footprint::new(&Shape::Box { length: 0.46, width: 0.42 }).expect("it is valid");
-    let rivals: [(&str, Footprint, SharedShape); 2] = [
-        ("collision/24", footprint(), SharedShape::new(Ball::new(0.25))),
-        ("collision_of_box/24", jackal, SharedShape::new(Cuboid::new(Vector::new(0.23, 0.21)))),
-    ];
-    for (name, footprint, shape) in rivals {
-        let to_parry = |p: &Pose| ParryPose::new(Vector::new(p.translation.x, p.translation.y), p.rotation.angle());
-        let their_places: Vec<_> = places.iter().map(to_parry).collect();
+    let to_parry = |p: &Pose| ParryPose::new(Vector::new(p.translation.x, p.translation.y), p.rotation.angle());
+    let their_places: Vec<_> = places.iter().map(to_parry).collect();
+    for (suffix, footprint, shape) in vehicles() {
         let ours = || places.iter().filter(|pose| world.collides(&footprint, pose)).count();
         let theirs = || their_places.iter().filter(|pose| rival.collides(room, &*shape, pose)).count();
         assert!(ours() > 0 && ours() == theirs(), "both say the same");
-        let mut group = c.benchmark_group(name);
+        let mut group = c.benchmark_group(format!("collision{suffix}/24"));
+        group.throughput(Throughput::Elements(places.len() as u64));
+        group.bench_function("headway", |b| b.iter(ours));
+        group.bench_function("parry_bvh", |b| b.iter(theirs));
+        group.finish();
+    }
+    for (suffix, footprint, shape) in vehicles() {
+        let ours = || places.iter().map(|pose| world.clearance(&footprint, pose).max(0.0)).sum::<f64>();
+        let theirs = || their_places.iter().map(|pose| rival.clearance(room, &*shape, pose).max(0.0)).sum::<f64>();
+        assert!((ours() - theirs()).abs() < 1e-6, "both say the same");
+        let mut group = c.benchmark_group(format!("clearance{suffix}/24"));
         group.throughput(Throughput::Elements(places.len() as u64));
         group.bench_function("headway", |b| b.iter(ours));
         group.bench_function("parry_bvh", |b| b.iter(theirs));
         group.finish();
     }
 }
-
 fn obstacles(c: &mut Criterion) {
     let mut group = c.benchmark_group("clearance/obstacles");
     for n in [10, 30, 100, 300, 1000] {

@@ -12,6 +12,8 @@ use hull::Hull;
 pub(crate) struct Polygon {
     vertices: Vec<Point>,
     normals: Vec<Vector2<f64>>,
+    /// The lengths of the edges.
+    lengths: Vec<f64>,
     center: Point,
     radius: f64,
     hull: Hull,
@@ -20,13 +22,14 @@ pub(crate) struct Polygon {
 impl Polygon {
     /// From a checked shape's corners: strictly convex, counter-clockwise.
     pub(crate) fn new(vertices: Vec<Point>) -> Self {
-        let next = vertices.iter().cycle().skip(1);
-        let normals = vertices.iter().zip(next).map(|(a, b)| Vector2::new(b.y - a.y, a.x - b.x).normalize()).collect();
+        let edges = || vertices.iter().zip(vertices.iter().cycle().skip(1));
+        let normals = edges().map(|(a, b)| Vector2::new(b.y - a.y, a.x - b.x).normalize()).collect();
+        let lengths = edges().map(|(a, b)| (b - a).norm()).collect();
         let sum: Vector2<f64> = vertices.iter().map(|v| v.coords).sum();
         let center = Point::from(sum / vertices.len() as f64);
         let radius = vertices.iter().map(|v| (v - center).norm()).fold(0.0, f64::max);
         let hull = Hull::new(&vertices);
-        Self { vertices, normals, center, radius, hull }
+        Self { normals, lengths, center, radius, hull, vertices }
     }
 
     /// The same polygon moved to `pose`.
@@ -34,6 +37,7 @@ impl Polygon {
         Self {
             vertices: self.vertices.iter().map(|v| pose * v).collect(),
             normals: self.normals.iter().map(|n| pose.rotation * n).collect(),
+            lengths: self.lengths.clone(),
             center: pose * self.center,
             radius: self.radius,
             hull: self.hull.at(pose),
@@ -60,10 +64,22 @@ impl Polygon {
     }
 
     /// Distance from a point to the outline, negative inside.
+    ///
+    /// Outside, the nearest point lies on an edge that faces the point: `height` above it, and beside it if it is one of
+    /// its ends.
     pub(crate) fn signed_distance(&self, point: &Point) -> f64 {
-        let depth =
-            self.vertices.iter().zip(&self.normals).map(|(v, n)| n.dot(&(point - v))).fold(f64::NEG_INFINITY, f64::max);
-        if depth <= 0.0 { depth } else { (point - self.nearest(point)).norm() }
+        let (mut highest, mut least_squared) = (f64::NEG_INFINITY, f64::INFINITY);
+        for ((vertex, normal), length) in self.vertices.iter().zip(&self.normals).zip(&self.lengths) {
+            let to = point - vertex;
+            let height = normal.dot(&to);
+            highest = highest.max(height);
+            if height > 0.0 {
+                let along = normal.perp(&to);
+                let beside = along - along.clamp(0.0, *length);
+                least_squared = least_squared.min(height * height + beside * beside);
+            }
+        }
+        if highest <= 0.0 { highest } else { least_squared.sqrt() }
     }
 
     /// The point of the outline nearest to an outside point.

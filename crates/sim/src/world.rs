@@ -2,6 +2,7 @@
 
 mod buckets;
 mod circles;
+mod kernel;
 mod solid;
 mod surface;
 
@@ -80,7 +81,7 @@ impl World {
     pub(crate) fn push(&mut self, obstacle: Obstacle) {
         let solid = Solid::new(&obstacle);
         let (center, radius) = solid.bounding_circle();
-        self.circles.push(&center, radius);
+        self.circles.push(&center, radius, matches!(solid, Solid::Disc { .. }));
         self.solids.push(solid);
         self.obstacles.push(obstacle);
     }
@@ -146,9 +147,9 @@ impl World {
     #[must_use]
     pub fn collides(&self, footprint: &Footprint, pose: &Pose) -> bool {
         let center = Point::from(pose.translation.vector);
-        let mut near = self.obstacles_near(&center, footprint.circumradius());
-        let is_free = self.wall_clearance(footprint, pose).1 > 0.0;
-        !is_free || near.any(|index| self.solids[index].clearance(footprint, pose) <= 0.0)
+        let touches = |index: usize| self.solids[index].touches(footprint, pose);
+        let is_off_the_walls = self.wall_clearance(footprint, pose).1 > 0.0;
+        !is_off_the_walls || self.circles.any_near(&center, footprint.circumradius(), touches)
     }
 
     /// Whether the clearance of a footprint is at least `least`: as [`Self::clearance`] says, but only
@@ -157,7 +158,7 @@ impl World {
         let center = Point::from(pose.translation.vector);
         let reach = footprint.circumradius() + least;
         self.wall_clearance(footprint, pose).1 >= least
-            && self.obstacles_near(&center, reach).all(|index| self.solids[index].clearance(footprint, pose) >= least)
+            && !self.circles.any_near(&center, reach, |index| self.solids[index].clearance(footprint, pose) < least)
     }
 
     /// Whether a point has at least `least` metres of room around it.
@@ -174,9 +175,9 @@ impl World {
             let (center, radius) = solid.bounding_circle();
             let outline = Footprint::of_obstacle(&self.obstacles[index].shape);
             self.wall_clearance(&outline, &self.obstacles[index].pose()).1 > width
-                && self
-                    .obstacles_near(&center, radius + width)
-                    .all(|other| other >= index || self.solids[other].gap(solid) > width)
+                && !self
+                    .circles
+                    .any_near(&center, radius + width, |other| other < index && self.solids[other].gap(solid) <= width)
         };
         self.solids.iter().enumerate().all(|(index, solid)| is_apart(index, solid))
     }

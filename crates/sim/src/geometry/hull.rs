@@ -34,14 +34,21 @@ impl Hull {
         self.polygon.points().len()
     }
 
-    /// The signed distance to another polygon, metres, negative where they overlap: GJK outside, EPA inside.
-    pub(crate) fn signed_distance(&self, other: &Self) -> f64 {
+    /// Whether another polygon, moved to `pose`, touches or overlaps this one.
+    pub(crate) fn touches(&self, other: &Self, pose: &Pose) -> bool {
         let (a, b) = (self.polygon.as_ref(), other.polygon.as_ref());
-        let apart = query::distance(&self.frame, a, &other.frame, b).expect("parry measures convex polygons");
+        let found = query::intersection_test(&self.frame, a, &(to_parry(pose) * other.frame), b);
+        found.expect("parry knows convex polygons").intersecting
+    }
+
+    /// The signed distance to another polygon, moved to `pose`, metres, negative where they overlap: GJK outside, EPA inside.
+    pub(crate) fn signed_distance(&self, other: &Self, pose: &Pose) -> f64 {
+        let (a, b, frame) = (self.polygon.as_ref(), other.polygon.as_ref(), to_parry(pose) * other.frame);
+        let apart = query::distance(&self.frame, a, &frame, b).expect("parry measures convex polygons");
         if apart.distance > 0.0 {
             return apart.distance;
         }
-        let contact = query::contact(&self.frame, a, &other.frame, b, 0.0).expect("parry measures convex polygons");
+        let contact = query::contact(&self.frame, a, &frame, b, 0.0).expect("parry measures convex polygons");
         contact.map_or(0.0, |contact| contact.dist.min(0.0))
     }
 }

@@ -1,59 +1,32 @@
 //! The circles around all solids, as arrays of numbers.
 
 use super::buckets::Buckets;
+use super::kernel::{self, Block, LANES};
 use crate::{Point, Room};
 
-/// Circles a block: what the compiler works on at once.
-const LANES: usize = 8;
-
 /// Up to so many circles, looking at all of them costs less than finding out which are near.
-const FEW: usize = 32;
+const FEW: usize = u32::BITS as usize;
 
 /// A circle around each solid, in blocks of x, y and radius; beyond [`FEW`], a grid tells which are near.
 #[derive(Debug, Clone)]
 pub(super) struct Circles {
     blocks: Vec<Block>,
     len: usize,
+    /// Whether every circle is the solid's own outline.
+    are_exact: bool,
     buckets: Option<Buckets>,
 }
 
-#[derive(Debug, Clone, Copy)]
-struct Block {
-    x: [f64; LANES],
-    y: [f64; LANES],
-    radius: [f64; LANES],
-}
-
-impl Block {
-    /// Circles that are infinitely far from everything.
-    const EMPTY: Self = Self { x: [f64::INFINITY; LANES], y: [0.0; LANES], radius: [0.0; LANES] };
-
-    /// How much too far a circle is off to come within `reach` of a point, squared metres; no root is taken.
-    fn excess(&self, lane: usize, point: &Point, reach: f64) -> f64 {
-        let (x, y, reach) = (self.x[lane] - point.x, self.y[lane] - point.y, reach + self.radius[lane]);
-        x * x + y * y - reach * reach
-    }
-
-    /// Whether any of the circles comes within `reach` of a point: written for the compiler to vectorise.
-    fn is_any_near(&self, point: &Point, reach: f64) -> bool {
-        let mut least = [f64::INFINITY; LANES / 2];
-        for (lane, least) in least.iter_mut().enumerate() {
-            let (a, b) = (self.excess(lane, point, reach), self.excess(lane + LANES / 2, point, reach));
-            *least = if a < b { a } else { b };
-        }
-        least.iter().any(|excess| *excess <= 0.0)
-    }
-}
-
 impl Circles {
-    /// No circles yet, in a room for about `n` of them.
+    /// No circles yet, in a room for up to `n` of them.
     pub(super) fn new(room: &Room, n: usize) -> Self {
         let buckets = (n > FEW).then(|| Buckets::new(room, n));
-        Self { blocks: Vec::with_capacity(n.div_ceil(LANES)), len: 0, buckets }
+        Self { blocks: Vec::with_capacity(n.div_ceil(LANES)), len: 0, are_exact: true, buckets }
     }
 
-    /// Adds a circle, whose index is the number of those before it.
-    pub(super) fn push(&mut self, center: &Point, radius: f64) {
+    /// Adds the circle around a solid, whose index is the number of those before it; `is_exact` if the solid fills it.
+    pub(super) fn push(&mut self, center: &Point, radius: f64, is_exact: bool) {
+        self.are_exact &= is_exact;
         let lane = self.len % LANES;
         if lane == 0 {
             self.blocks.push(Block::EMPTY);
@@ -70,40 +43,63 @@ impl Circles {
     pub(super) fn near(&self, point: &Point, reach: f64) -> impl Iterator<Item = usize> + use<'_> {
         let point = *point;
         let chosen = self.buckets.as_ref().map(|buckets| buckets.near(&point, reach));
-        let n_blocks = if chosen.is_some() { 0 } else { self.blocks.len() };
-        let blocks = (0..n_blocks).filter(move |block| self.blocks[*block].is_any_near(&point, reach));
-        let all = blocks.flat_map(|block| block * LANES..(block + 1) * LANES).chain(chosen.into_iter().flatten());
-        all.filter(move |index| self.excess(*index, &point, reach) <= 0.0)
+        let few = if chosen.is_some() { 0 } else { kernel::near(&self.blocks, &point, reach) };
+        let is_near = move |index: &usize| self.is_near(*index, &point, reach);
+        bits(few).chain(chosen.into_iter().flatten().filter(is_near))
+    }
+
+    /// Whether something is true of any circle that comes within `reach` of a point.
+    pub(super) fn any_near(&self, point: &Point, reach: f64, is_true: impl FnMut(usize) -> bool) -> bool {
+        match &self.buckets {
+            Some(buckets) => buckets.near(point, reach).filter(|index| self.is_near(*index, point, reach)).any(is_true),
+            None => bits(kernel::near(&self.blocks, point, reach)).any(is_true),
+        }
     }
 
     /// As [`Self::near`], with a reach that shrinks once something near is found: `visit` returns it.
     pub(super) fn visit_near(&self, point: &Point, mut reach: f64, mut visit: impl FnMut(usize) -> f64) {
-        if let Some(buckets) = &self.buckets {
-            for index in buckets.near(point, reach) {
-                if self.excess(index, point, reach) <= 0.0 {
-                    reach = visit(index);
-                }
-            }
-            return;
+        let few = if self.buckets.is_some() { 0 } else { self.len };
+        if few > 0 && !(self.are_exact && self.blocks.len() <= 2) {
+            return self.visit_likely_first(point, reach, visit);
         }
-        for (b, block) in self.blocks.iter().enumerate() {
-            if !block.is_any_near(point, reach) {
-                continue;
-            }
-            for lane in 0..LANES {
-                if block.excess(lane, point, reach) <= 0.0 {
-                    reach = visit(b * LANES + lane);
-                }
+        let chosen = self.buckets.as_ref().map(|buckets| buckets.near(point, reach));
+        for index in (0..few).chain(chosen.into_iter().flatten()) {
+            if self.is_near(index, point, reach) {
+                reach = visit(index);
             }
         }
     }
 
-    fn excess(&self, index: usize, point: &Point, reach: f64) -> f64 {
-        self.blocks[index / LANES].excess(index % LANES, point, reach)
+    /// Visits the likely nearest of few circles first, so that hardly another is left to be visited: pays where there are
+    /// more than a dozen, or where a visit is dear since the circle is only a bound.
+    fn visit_likely_first(&self, point: &Point, mut reach: f64, mut visit: impl FnMut(usize) -> f64) {
+        let first = kernel::likely_nearest(&self.blocks, point);
+        if let Some(first) = first {
+            reach = reach.min(visit(first));
+        }
+        for index in bits(kernel::near(&self.blocks, point, reach)) {
+            if Some(index) != first && self.is_near(index, point, reach) {
+                reach = visit(index);
+            }
+        }
+    }
+
+    #[inline]
+    fn is_near(&self, index: usize, point: &Point, reach: f64) -> bool {
+        self.blocks[index / LANES].is_near(index % LANES, point, reach)
     }
 
     /// A first guess of how far one must look to find something, metres: a thousand kilometres where that is no effort.
     pub(super) fn first_reach(&self) -> f64 {
         self.buckets.as_ref().map_or(1e6, Buckets::cell_size)
     }
+}
+
+/// The places of the bits that are set, from the lowest on.
+fn bits(mut of: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let place = of.trailing_zeros();
+        of &= of.wrapping_sub(1);
+        (place < u32::BITS).then_some(place as usize)
+    })
 }

@@ -44,7 +44,15 @@ impl Solid {
             (Self::Disc { center, radius }, Some(own)) => {
                 own.signed_distance(&pose.inverse_transform_point(center)) - radius
             }
-            (Self::Polygon(polygon), Some(own)) => polygon.hull().signed_distance(&own.hull().at(pose)),
+            (Self::Polygon(polygon), Some(own)) => polygon.hull().signed_distance(own.hull(), pose),
+        }
+    }
+
+    /// Whether a footprint touches or overlaps the solid: as [`Self::clearance`] says, but cheaper for two polygons.
+    pub(super) fn touches(&self, footprint: &Footprint, pose: &Pose) -> bool {
+        match (self, footprint.polygon()) {
+            (Self::Polygon(polygon), Some(own)) => polygon.hull().touches(own.hull(), pose),
+            _ => self.clearance(footprint, pose) <= 0.0,
         }
     }
 
@@ -54,7 +62,9 @@ impl Solid {
             (solid, Self::Disc { center, radius }) | (Self::Disc { center, radius }, solid) => {
                 solid.distance(center) - radius
             }
-            (Self::Polygon(polygon), Self::Polygon(other)) => polygon.hull().signed_distance(other.hull()),
+            (Self::Polygon(polygon), Self::Polygon(other)) => {
+                polygon.hull().signed_distance(other.hull(), &Pose::identity())
+            }
         }
     }
 
