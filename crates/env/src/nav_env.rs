@@ -48,7 +48,8 @@ impl NavEnv {
 
     /// The same environments, stepped by `n_threads` threads. The results are the same for any number of them.
     ///
-    /// Pays from some 64 copies on; see `docs/benchmarks.md`. Where many runs go on side by side, leave it at one.
+    /// Pays where there are some hundreds of copies; see `docs/benchmarks.md`. Up to 64 are stepped by the calling thread.
+    /// Where many runs go on side by side, they use the cores better.
     ///
     /// # Errors
     /// If the threads cannot be started.
@@ -56,12 +57,12 @@ impl NavEnv {
     /// ```
     /// use headway_env::{Env, NavEnv, NavSpec, Step};
     /// use std::num::NonZeroUsize;
-    /// let alone = NavEnv::new(NavSpec::default().build()?, 64);
+    /// let alone = NavEnv::new(NavSpec::default().build()?, 200);
     /// let sharded = alone.clone().on_threads(NonZeroUsize::new(2).unwrap())?;
     /// let steps = [alone, sharded].map(|mut env| {
-    ///     let mut step = Step::new(64, env.obs_dim());
+    ///     let mut step = Step::new(200, env.obs_dim());
     ///     env.reset(0, &mut step.obs).unwrap();
-    ///     env.step(&[4; 64], &mut step).unwrap();
+    ///     env.step(&[4; 200], &mut step).unwrap();
     ///     step
     /// });
     /// assert_eq!(steps[0], steps[1]);
@@ -115,8 +116,10 @@ impl NavEnv {
         let episodes = Episodes { mdp: &self.mdp, seed: self.seed, stride: self.n_envs as u64 };
         let shard = Shard::all(&mut self.navigators, &mut self.scenarios, out);
         match &self.threads {
-            Some(threads) => threads.install(|| shard.step_on_threads(episodes, &advance)),
-            None => shard.step(episodes, &advance),
+            Some(threads) if self.n_envs > Shard::GRAIN => {
+                threads.install(|| shard.step_on_threads(episodes, &advance))
+            }
+            _ => shard.step(episodes, &advance),
         }
     }
 }

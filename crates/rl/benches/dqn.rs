@@ -4,13 +4,15 @@
 //! least 20 000 transitions, two or three forward passes, Huber loss, backward pass, Adam, and the soft and averaged
 //! updates. The rival `plain` is the same gradient step in candle-nn's own layers and AdamW, on a minibatch that is
 //! already there, without the average. Set `RAYON_NUM_THREADS=1` to be fair to it: otherwise candle looks up the number
-//! of processors before every product, and spreads what one thread does faster.
+//! of processors before every product, and spreads what one thread does faster. `floor/matmul/512` is a product of two
+//! 512 x 512 matrices by candle: 2 x 512^3 floating-point operations at about the most a core can do.
 
 #[path = "../tests/plain/mod.rs"]
 mod plain;
 
 use std::hint::black_box;
 
+use candle_core::{Device, Tensor};
 use criterion::{Criterion, criterion_group, criterion_main};
 use headway_rl::{Agent, Dqn, DqnSpec, Mode, StepBatch, TargetRule};
 use plain::{Batch, Plain};
@@ -119,5 +121,11 @@ fn learn(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, act, learn);
+fn floor(c: &mut Criterion) {
+    let matrix = |phase| Tensor::from_vec(numbers(512 * 512, phase), (512, 512), &Device::Cpu).expect("it fits");
+    let (a, b) = (matrix(0.0), matrix(1.0));
+    c.bench_function("floor/matmul/512", |bench| bench.iter(|| a.matmul(black_box(&b)).expect("shapes agree")));
+}
+
+criterion_group!(benches, act, learn, floor);
 criterion_main!(benches);

@@ -21,7 +21,7 @@ pub(crate) type Span = [std::ops::Range<usize>; 2];
 
 impl Beams {
     /// Scans of so few blocks are painted whole: to find out where costs more than to paint.
-    const WHOLE: usize = 4;
+    const WHOLE: usize = 8;
     /// More than the error of [`atan2`] and of a span's rounding, radians.
     const SLACK: f32 = 2e-3;
 
@@ -149,7 +149,7 @@ mod tests {
     proptest! {
         #[test]
         fn spans_hold_every_beam_between(
-            n_beams in 70..1200_usize, field in prop_oneof![Just(TAU), 0.3..6.0], right in -3.1..3.1, width in 0.0..3.0,
+            n_beams in 130..1200_usize, field in prop_oneof![Just(TAU), 0.3..6.0], right in -3.1..3.1, width in 0.0..3.0,
         ) {
             let angles = beam_angles(n_beams, field);
             let beams = Beams::new(&angles, field == TAU);

@@ -211,7 +211,7 @@ impl World {
         }
     }
 
-    /// The obstacles whose bounding circles come within `reach` metres of a point, in no particular order.
+    /// The obstacles whose bounding circles come within `reach` metres, 0 or more, of a point, in no particular order.
     ///
     /// ```
     /// use headway_sim::{Obstacle, Point, Room, Shape, World};

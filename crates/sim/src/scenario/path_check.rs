@@ -127,7 +127,7 @@ impl<'a> LatticeSearch<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Obstacle, Room, Shape};
+    use crate::{Obstacle, Room, Shape, WorldSpec};
 
     fn room_with_barrier(gap: f64) -> World {
         let barrier = |y: f64, width: f64| Obstacle { shape: Shape::Box { length: 0.2, width }, x: 5.0, y, yaw: 0.0 };
@@ -191,5 +191,39 @@ mod tests {
         for (x, y) in [(f64::NAN, 5.0), (2.0, f64::INFINITY), (-1.0, 5.0), (5.0, 2.0)] {
             assert!(!joins(0.2, Point::new(x, y)));
         }
+    }
+
+    /// That all free places are joined where all gaps are wide is checked against the search.
+    #[test]
+    fn what_needs_no_search_is_found_by_one() {
+        let vehicle = Footprint::new(&Shape::Disc { radius: 0.25 }).unwrap();
+        for spec in [WorldSpec::Room10x15 {}, WorldSpec::Room25x25 {}] {
+            let source = spec.build(&vehicle).unwrap();
+            for index in 0..20 {
+                let scenario = source.scenario(5, index).unwrap();
+                let rule = scenario.goal_rule;
+                let mut check = PathCheck::new(&scenario.world, &vehicle, &rule);
+                assert!(matches!(check, PathCheck::Roomy { .. }), "gaps of 0.8 m, a vehicle of 0.5 m");
+                let mut search = LatticeSearch::new(&scenario.world, vehicle.circumradius(), &rule);
+                let start = scenario.start.translation.vector.into();
+                assert!(check.joins(&start, &scenario.goal) && search.joins(&start, &scenario.goal));
+                let in_an_obstacle = Point::new(scenario.world.obstacles()[0].x, scenario.world.obstacles()[0].y);
+                assert!(!check.joins(&start, &in_an_obstacle) && !search.joins(&start, &in_an_obstacle));
+            }
+        }
+    }
+
+    #[test]
+    fn gaps_are_as_wide_as_they_are() {
+        for gap in [0.3, 0.5, 1.0] {
+            assert!(room_with_barrier(gap).has_gaps_above(-1e-9));
+            assert!(!room_with_barrier(gap).has_gaps_above(1e-9), "the barrier touches the walls");
+        }
+        let disc = |x, y| Obstacle { shape: Shape::Disc { radius: 0.5 }, x, y, yaw: 0.0 };
+        let square = Obstacle { shape: Shape::Box { length: 1.0, width: 1.0 }, x: 5.0, y: 8.0, yaw: 0.0 };
+        let room = Room { width: 10.0, height: 10.0 };
+        // To the wall 0.7, between the discs 1.0, between a disc and the square 1.5.
+        let world = World::new(room, vec![disc(1.2, 5.0), disc(3.2, 5.0), disc(5.0, 5.5), square]).unwrap();
+        assert!(world.has_gaps_above(0.69) && !world.has_gaps_above(0.71));
     }
 }
