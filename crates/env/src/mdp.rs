@@ -6,7 +6,7 @@ use headway_planning::{GridMap, Route, plan};
 use headway_reward::{Limits, Reward};
 use headway_sensors::{Lidar, ObstacleAngle};
 use headway_sim::check::positive;
-use headway_sim::{Point, Vehicle, World, WorldSource};
+use headway_sim::{Point, Scenario, Vehicle, World, WorldSource};
 
 use crate::spec::RouteSpec;
 use crate::{ActionSet, Control, Encoder, EnvError, GoalHandling, NavSpec};
@@ -124,6 +124,11 @@ impl Mdp {
         let clearances = [spec.margin, spec.margin / 2.0, 0.0, -0.71 * spec.cell].map(|m| (self.radius() + m).max(0.0));
         let route = clearances.iter().find_map(|clearance| shortest_route(world, from, goal, *clearance, spec.cell));
         route.map(Some).ok_or(EnvError::NoRoute { from: [from.x, from.y], goal: [goal.x, goal.y], cell: spec.cell })
+    }
+
+    /// [`Self::plan_route`] from a scenario's start to its goal.
+    pub(crate) fn route_of(&self, scenario: &Scenario) -> Result<Option<Route>, EnvError> {
+        self.plan_route(&scenario.world, &scenario.start.translation.vector.into(), &scenario.goal)
     }
 
     /// The length of a short way from one point to another for a disc of the footprint's circumradius, metres, at most a few

@@ -17,7 +17,8 @@ use crate::{Env, EnvError, Mdp, Navigator, Step, StepEnd};
 /// Independent navigators of one MDP behind [`Env`].
 ///
 /// Copy `i` of `n` drives in the scenarios `i`, `i + n`, `i + 2 n`, ... of the seed: which scenario comes
-/// next does not depend on what the other copies do. A step allocates no memory but for new episodes.
+/// next does not depend on what the other copies do. On one thread a step allocates memory
+/// only for new episodes and new goals, and for scans of more than 4096 beams.
 #[derive(Debug, Clone)]
 pub struct NavEnv {
     mdp: Arc<Mdp>,

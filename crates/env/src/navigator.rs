@@ -66,7 +66,7 @@ impl Navigator {
     /// and its further goals have random streams of their own.
     ///
     /// # Errors
-    /// If the scenario cannot be made.
+    /// If the scenario cannot be made, or the agent does not steer and no route leads to the goal.
     pub fn new(mdp: Arc<Mdp>, seed: u64, index: u64) -> Result<Self, EnvError> {
         let scenario = mdp.source.scenario(seed, index)?;
         Self::in_scenario(mdp, scenario, seed, index)
@@ -79,20 +79,22 @@ impl Navigator {
     /// If the agent does not steer and no route leads to the goal.
     pub fn in_scenario(mdp: Arc<Mdp>, scenario: Scenario, seed: u64, index: u64) -> Result<Self, EnvError> {
         let facts = || Facts::new(mdp.lidar.beam_angles().len());
-        let state = NavigatorState::at_start(&mdp, scenario, seed, index, facts(), facts())?;
+        let route = mdp.route_of(&scenario)?;
+        let state = NavigatorState::at_start(scenario, route, seed, index, [facts(), facts()]);
         let mut navigator = Self { mdp, state };
         navigator.look_from_start();
         Ok(navigator)
     }
 
-    /// As [`Self::new`] of the same MDP, in the same memory.
+    /// As [`Self::new`] of the same MDP, in the same memory. After an error all is as before.
     ///
     /// # Errors
-    /// If the scenario cannot be made.
+    /// If the scenario cannot be made, or the agent does not steer and no route leads to the goal.
     pub fn restart(&mut self, seed: u64, index: u64) -> Result<(), EnvError> {
         let scenario = self.mdp.source.scenario(seed, index)?;
-        let [before, after] = [&mut self.state.before, &mut self.state.after].map(Facts::take);
-        self.state = NavigatorState::at_start(&self.mdp, scenario, seed, index, before, after)?;
+        let route = self.mdp.route_of(&scenario)?;
+        let facts = [&mut self.state.before, &mut self.state.after].map(Facts::take);
+        self.state = NavigatorState::at_start(scenario, route, seed, index, facts);
         self.look_from_start();
         Ok(())
     }
@@ -258,17 +260,10 @@ impl Navigator {
 
 impl NavigatorState {
     /// At rest at the start, before the first look.
-    fn at_start(
-        mdp: &Mdp,
-        scenario: Scenario,
-        seed: u64,
-        index: u64,
-        before: Facts,
-        after: Facts,
-    ) -> Result<Self, EnvError> {
-        Ok(Self {
+    fn at_start(scenario: Scenario, route: Option<Route>, seed: u64, index: u64, [before, after]: [Facts; 2]) -> Self {
+        Self {
             goal: scenario.goal,
-            route: mdp.plan_route(&scenario.world, &scenario.start.translation.vector.into(), &scenario.goal)?,
+            route,
             vehicle: VehicleState::at_rest(scenario.start),
             scenario,
             before,
@@ -280,7 +275,7 @@ impl NavigatorState {
             n_steps: 0,
             noise: stream(seed, "noise", index),
             goals: stream(seed, "goals", index),
-        })
+        }
     }
 }
 

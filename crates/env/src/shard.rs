@@ -77,8 +77,9 @@ impl<'a> Shard<'a> {
             let row = index * dim..(index + 1) * dim;
             navigator.observe(&mut self.next_obs[row.clone()]);
             if end.terminated || end.truncated {
-                self.scenarios[index] += episodes.stride;
-                navigator.restart(episodes.seed, self.scenarios[index])?;
+                let next = self.scenarios[index] + episodes.stride;
+                navigator.restart(episodes.seed, next)?;
+                self.scenarios[index] = next;
                 navigator.observe(&mut self.obs[row]);
             } else {
                 self.obs[row.clone()].copy_from_slice(&self.next_obs[row]);

@@ -2,10 +2,15 @@
 
 use std::sync::Arc;
 
-use headway_env::{Env, EnvSpec, GoalHandling, NavEnv, NavSpec, Navigator, ObservationSpec, Step};
+use headway_env::{
+    ActionSpec, Control, Env, EnvSpec, GoalHandling, NavEnv, NavSpec, Navigator, ObservationSpec, RouteSpec, Step,
+};
 use headway_reward::{Heading, Progress, Proximity, RCouple, Sum};
 use headway_sensors::LidarSpec;
-use headway_sim::{Command, GoalRule, Obstacle, Point, Pose, Room, Scenario, Shape, World, stream};
+use headway_sim::{
+    Command, GoalRule, Interval, Kinds, Obstacle, Point, Pose, Quantity, Room, RoomSpec, Scenario, Shape, VehicleSpec,
+    World, WorldSpec, stream,
+};
 use proptest::prelude::*;
 use rand::RngExt;
 
@@ -173,4 +178,46 @@ fn specs_survive_toml() {
     let text = toml::to_string(&spec(GoalHandling::NewGoal)).unwrap();
     let back: NavSpec = toml::from_str(&text).unwrap();
     assert_eq!(toml::to_string(&back).unwrap(), text);
+}
+
+#[test]
+fn threads_change_nothing() {
+    // Neither a power of two nor a multiple of what a thread takes at a time; every copy acts on its own.
+    let (mut alone, mut step) = env(GoalHandling::NewGoal, 150, 4);
+    let expected = roll(&mut alone, &mut step, 60, 0);
+    assert!(expected.iter().flat_map(|step| &step.terminated).filter(|ended| **ended).count() > 100, "many restarts");
+    for n_threads in [2, 3] {
+        let (sharded, mut step) = env(GoalHandling::NewGoal, 150, 4);
+        let mut sharded = sharded.on_threads(n_threads.try_into().unwrap()).unwrap();
+        assert_eq!(roll(&mut sharded, &mut step, 60, 0), expected);
+    }
+}
+
+/// A failed restart took the navigator's memory along, and the next step panicked.
+#[test]
+fn a_failed_restart_leaves_all_as_it_was() {
+    let kinds = Kinds { disc: 0.0, r#box: 1.0, polygon: 0.0 };
+    let room = RoomSpec {
+        width: Interval::Fixed(8.0),
+        height: Interval::Fixed(8.0),
+        obstacles: Quantity::Density(Interval::Fixed(0.35)),
+        kinds,
+        obstacle_radius: Interval::Range([0.3, 0.8]),
+        min_gap: 0.05,
+        start_goal_distance: 2.0,
+        start_goal_clearance: 0.02,
+    };
+    let route = RouteSpec { cell: 0.5, ..RouteSpec::default() };
+    let vehicle = VehicleSpec { footprint: Shape::Disc { radius: 0.02 }, ..VehicleSpec::default() };
+    let actions = ActionSpec::SetPoints { speeds: vec![0.5, 1.0], yaw_rates: vec![0.0] };
+    let env = EnvSpec { control: Control::SpeedOnly(route), actions, ..EnvSpec::default() };
+    let mdp = NavSpec { world: WorldSpec::Room(room), vehicle, env, ..NavSpec::default() }.build().unwrap();
+    let mut navigator = (0..).find_map(|index| Navigator::new(Arc::clone(&mdp), 1, index).ok()).unwrap();
+    let mut before = vec![0.0; mdp.obs_dim()];
+    navigator.observe(&mut before);
+    let failed = (0..2000).find(|index| navigator.clone().restart(1, *index).is_err()).expect("one without a route");
+    assert!(navigator.restart(1, failed).unwrap_err().to_string().starts_with("no route from"));
+    let mut after = before.clone();
+    navigator.observe(&mut after);
+    assert_eq!(before, after);
 }

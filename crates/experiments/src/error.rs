@@ -23,10 +23,10 @@ pub enum Error {
         /// What the system answered.
         source: std::io::Error,
     },
-    /// One run of several failed.
+    /// One run of several failed, or the scenarios that runs share.
     #[error("{source} ({run})")]
     Run {
-        /// The run: its cell, its seed and its folder.
+        /// The run: its cell, its seed and its folder; or the evaluation world.
         run: String,
         /// What it failed with.
         source: Box<Error>,

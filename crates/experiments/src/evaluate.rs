@@ -1,6 +1,7 @@
 //! Evaluation: drivers on held-out scenarios, one goal an episode.
 
 use std::f64::consts::PI;
+use std::ops::Range;
 use std::sync::Arc;
 
 use headway_env::{EnvSpec, Event, Mdp, NavSpec, Navigator, StepEnd};
@@ -31,6 +32,11 @@ impl ScenarioSet {
     /// # Errors
     /// If a scenario cannot be made.
     pub fn new(mdp: &Mdp, n_episodes: usize, seed: u64) -> Result<Self, Error> {
+        Self::part(mdp, 0..n_episodes, seed)
+    }
+
+    /// Some of the scenarios of a seed, by number: a whole set may be made in parts, side by side.
+    pub(crate) fn part(mdp: &Mdp, numbers: Range<usize>, seed: u64) -> Result<Self, Error> {
         let seed = stream_seed(seed, "evaluate", 0);
         let make = |index| {
             let scenario = mdp.source().scenario(seed, index).map_err(Error::failure)?;
@@ -38,7 +44,13 @@ impl ScenarioSet {
             let way = mdp.geodesic(&scenario.world, &start, &scenario.goal) - mdp.reach_radius();
             Ok((scenario, way.max(0.0)))
         };
-        Ok(Self { seed, scenarios: (0..n_episodes as u64).map(make).collect::<Result<_, Error>>()? })
+        let scenarios = numbers.map(|number| make(number as u64)).collect::<Result<_, Error>>()?;
+        Ok(Self { seed, scenarios })
+    }
+
+    /// Adds the part that follows.
+    pub(crate) fn append(&mut self, next: Self) {
+        self.scenarios.extend(next.scenarios);
     }
 
     /// How many scenarios there are.

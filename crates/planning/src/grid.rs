@@ -29,7 +29,7 @@ impl GridMap {
         let (n_x, n_y) = (count(room.width), count(room.height));
         assert!(n_x.saturating_mul(n_y) <= 1 << 28, "cells fit in memory");
         let mut map = Self { cell, n_x, n_y, blocked: vec![false; n_x * n_y] };
-        let strip = |n: usize| ((inflation.max(0.0) / cell).ceil() as usize + 1).min(n);
+        let strip = |n: usize| ((inflation.max(0.0) / cell).ceil() as usize).saturating_add(1).min(n);
         let (low, high) = (|n: usize| 0..strip(n), |n: usize| n - strip(n)..n);
         // As the walls are numbered: x = 0, y = 0, x = width, y = height.
         let strips = [(low(n_x), 0..n_y), (0..n_x, low(n_y)), (high(n_x), 0..n_y), (0..n_x, high(n_y))];
@@ -156,6 +156,21 @@ mod tests {
             for column in 0..map.n_x {
                 let center = map.center((column, row));
                 assert_eq!(map.is_blocked((column, row)), world.distance(&center) < 0.3, "{center}");
+            }
+        }
+    }
+
+    /// Rooms smaller than the inflation, or no whole number of cells wide, and inflations of any size.
+    #[test]
+    fn walls_block_wherever_they_are_near() {
+        for (width, height) in [(10.0, 9.93), (0.35, 4.0), (1.0, 1.0)] {
+            let world = World::new(Room { width, height }, vec![]).unwrap();
+            for inflation in [-0.1, 0.0, 0.13, 0.3, 2.0, 1e300] {
+                let map = GridMap::from_world(&world, 0.1, inflation);
+                for cell in (0..map.n_y).flat_map(|row| (0..map.n_x).map(move |column| (column, row))) {
+                    let center = map.center(cell);
+                    assert_eq!(map.is_blocked(cell), world.distance(&center) < inflation, "{center} {inflation}");
+                }
             }
         }
     }

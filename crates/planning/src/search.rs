@@ -9,11 +9,12 @@ use headway_sim::Point;
 use crate::grid::Cell;
 use crate::{GridMap, Route};
 
-/// The shortest way from `start` to `goal` over a map's free cells, pulled straight; `None` if there is
+/// A shortest way from `start` to `goal` over a map's free cells, pulled straight; `None` if there is
 /// none.
 ///
 /// A* (Hart, Nilsson, Raphael 1968) over eight neighbours, diagonals only where both cells beside them
-/// are free, with the octile distance as heuristic. Then corners that are not needed are left out as long
+/// are free. The heuristic is the octile distance and a millionth more, by which the way found may be longer than the
+/// shortest of the grid. Then corners that are not needed are left out as long
 /// as [`GridMap::sees`] allows. A start or goal in a blocked cell is joined to the nearest free one.
 #[must_use]
 pub fn plan(map: &GridMap, start: &Point, goal: &Point) -> Option<Route> {

@@ -130,9 +130,13 @@ pub(crate) mod f32_bytes {
     use std::fmt;
 
     use serde::de::{Error, Visitor};
-    use serde::{Deserializer, Serializer};
+    use serde::{Deserializer, Serializer, ser};
 
     pub(crate) fn serialize<S: Serializer>(values: &[f32], serializer: S) -> Result<S::Ok, S::Error> {
+        if 4 * values.len() as u64 > u64::from(u32::MAX) {
+            // What MessagePack has room for; rmp itself would cut the length and say nothing.
+            return Err(ser::Error::custom("a checkpoint holds up to 4 GiB of observations: lower replay_capacity"));
+        }
         let mut bytes = Vec::with_capacity(4 * values.len());
         for value in values {
             bytes.extend_from_slice(&value.to_le_bytes());

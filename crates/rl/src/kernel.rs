@@ -183,6 +183,14 @@ mod tests {
 
     proptest! {
         #[test]
+        fn vector_instructions_change_no_bit(x in numbers(30), w in numbers(30 * 77)) {
+            let [mut plain, mut wide] = [[f32::NAN; 77]; 2];
+            RowTimesMatrix { x: &x, w: &w, y: &mut plain }.run();
+            vectorised(RowTimesMatrix { x: &x, w: &w, y: &mut wide });
+            prop_assert_eq!(plain, wide);
+        }
+
+        #[test]
         fn products_equal_three_loops(
             (m, n, k, a, b) in
                 sizes().prop_flat_map(|(m, n, k)| (Just(m), Just(n), Just(k), numbers(m * k), numbers(k * n))),

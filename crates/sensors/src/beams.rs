@@ -76,6 +76,9 @@ impl Beams {
         if self.n_blocks() <= Self::WHOLE {
             return self.whole();
         }
+        if radius >= distance {
+            return self.whole(); // from within
+        }
         let ratio = radius / distance;
         // From above: asin(x) <= x + (pi / 2 - 1) x^3 on [0, 1].
         let half_width = ratio + (std::f32::consts::FRAC_PI_2 - 1.0) * ratio * ratio * ratio;

@@ -152,7 +152,7 @@ fn greater(a: f32, b: f32) -> f32 {
 mod tests {
     use super::*;
     use crate::beam_angles;
-    use headway_sim::{Kinds, RoomSpec, VehicleSpec, WorldSpec};
+    use headway_sim::{Kinds, RoomSpec, Scenario, VehicleSpec, WorldSpec};
     use std::f64::consts::TAU;
 
     #[test]
@@ -165,9 +165,16 @@ mod tests {
         let mut plain = painted.clone();
         for index in 0..50 {
             let scenario = source.scenario(8, index).unwrap();
-            paint(&beams, &scenario.world, &scenario.start, 30.0, &mut painted);
-            paint_portable(&beams, &scenario.world, &scenario.start, 30.0, &mut plain);
+            let Scenario { world, start, .. } = &scenario;
+            paint_portable(&beams, world, start, 30.0, &mut plain);
+            paint(&beams, world, start, 30.0, &mut painted);
             assert_eq!(painted, plain);
+            #[cfg(target_arch = "x86_64")]
+            if is_x86_feature_detected!("avx2") {
+                // SAFETY: the processor has AVX2.
+                unsafe { paint_avx2(&beams, world, start, 30.0, &mut painted) };
+                assert_eq!(painted, plain);
+            }
         }
     }
 }

@@ -5,8 +5,8 @@
 //! reward and no learning.
 //!
 //! Conventions: SI units, radians, right-handed axes, yaw in (-pi, pi]. A room lies in
-//! `[0, width] x [0, height]`. Poses, points and twists are nalgebra types; shapes that are not discs
-//! are handed to parry2d (its f64 build), converted at one place.
+//! `[0, width] x [0, height]`. Poses, points and twists are nalgebra types; the
+//! distance of two polygons is parry2d's (its f64 build), converted at one place.
 //!
 //! # Example
 //! ```

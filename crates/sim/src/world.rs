@@ -69,7 +69,7 @@ impl World {
         Ok(world)
     }
 
-    /// A room in which about `n_obstacles` are going to stand.
+    /// A room in which up to `n_obstacles` are going to stand.
     pub(crate) fn empty(room: Room, n_obstacles: usize) -> Result<Self, SimError> {
         room.check()?;
         let circles = Circles::new(&room, n_obstacles);
@@ -211,7 +211,8 @@ impl World {
         }
     }
 
-    /// The obstacles whose bounding circles come within `reach` metres, 0 or more, of a point, in no particular order.
+    /// The obstacles whose bounding circles come within `reach` metres of a point, in no particular order; a
+    /// negative reach counts as 0.
     ///
     /// ```
     /// use headway_sim::{Obstacle, Point, Room, Shape, World};
@@ -221,7 +222,7 @@ impl World {
     /// # Ok::<(), headway_sim::SimError>(())
     /// ```
     pub fn obstacles_near(&self, point: &Point, reach: f64) -> impl Iterator<Item = usize> + use<'_> {
-        self.circles.near(point, reach)
+        self.circles.near(point, reach.max(0.0))
     }
 
     /// The distance from a point to the nearest surface, metres, negative within an obstacle.

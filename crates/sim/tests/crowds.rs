@@ -1,6 +1,6 @@
 //! Questions about many obstacles at once against the same question about each alone.
 
-use headway_sim::{Footprint, Obstacle, Point, Pose, Room, Shape, World};
+use headway_sim::{Command, Footprint, Obstacle, Point, Pose, Room, Shape, Surface, VehicleSpec, VehicleState, World};
 use proptest::prelude::*;
 
 const ROOM: Room = Room { width: 12.0, height: 9.0 };
@@ -37,12 +37,12 @@ proptest! {
     #[test]
     fn the_nearest_is_the_nearest_of_each_alone(obstacles in crowd(), pose in pose(), footprint in footprint()) {
         let world = World::new(ROOM, obstacles.clone()).unwrap();
-        let alone = |obstacle: Obstacle| {
+        let alone = |(index, obstacle): (usize, Obstacle)| {
             let world = World::new(ROOM, vec![obstacle]).unwrap();
-            world.proximity(&footprint, &pose).obstacle.unwrap().1
+            (index, world.proximity(&footprint, &pose).obstacle.unwrap().1)
         };
-        let expected = obstacles.into_iter().map(alone).min_by(f64::total_cmp);
-        prop_assert_eq!(world.proximity(&footprint, &pose).obstacle.map(|(_, clearance)| clearance), expected);
+        let expected = obstacles.into_iter().enumerate().map(alone).min_by(|a, b| a.1.total_cmp(&b.1));
+        prop_assert_eq!(world.proximity(&footprint, &pose).obstacle, expected);
     }
 
     #[test]
@@ -52,6 +52,38 @@ proptest! {
         // Parry's test and its distance of two polygons may differ by rounding where these just touch.
         prop_assume!(clearance.abs() > 1e-9);
         prop_assert_eq!(world.collides(&footprint, &pose), clearance < 0.0);
+    }
+
+    /// Whether a disc that just touches is found decided rounding.
+    #[test]
+    fn a_contact_is_a_collision(angle in -3.1..3.1_f64, radius in 0.2..0.5, n_more in 0..50_usize) {
+        let post = Obstacle { shape: Shape::Disc { radius }, x: 6.0, y: 5.0, yaw: 0.0 };
+        let far = Obstacle { shape: Shape::Disc { radius: 0.1 }, x: 1.0, y: 1.0, yaw: 0.0 };
+        let world = World::new(ROOM, [vec![post], vec![far; n_more]].concat()).unwrap();
+        let vehicle = Footprint::new(&Shape::Disc { radius: 0.25 }).unwrap();
+        let contact = Pose::translation(6.0 + (radius + 0.25) * angle.cos(), 5.0 + (radius + 0.25) * angle.sin());
+        prop_assert_eq!(world.collides(&vehicle, &contact), world.clearance(&vehicle, &contact) <= 0.0);
+        let mut state = VehicleState::at_rest(Pose::new([3.0, 5.0].into(), 0.0));
+        let spec = VehicleSpec { max_acceleration: 3.0 + radius, ..VehicleSpec::default() };
+        let ahead = Command { speed: 1.5, yaw_rate: 0.0 };
+        let motions = (0..30).map(|_| spec.build().unwrap().step(&world, &mut state, ahead));
+        prop_assert!(motions.take_while(|motion| !motion.collided).count() < 30, "it drives into the post");
+        prop_assert!(world.collides(&vehicle, &state.pose));
+    }
+
+    #[test]
+    fn the_first_of_equals_is_the_nearest(x in 2..10, y in 2..7, dx in 1..10, dy in 0..10, n_more in 0..50_usize) {
+        let [x, y, dx, dy] = [x, y, dx, dy].map(f64::from);
+        let disc = |sign: f64| {
+            let shape = Shape::Disc { radius: 0.1 };
+            Obstacle { shape, x: x + sign * dx / 10.0, y: y + sign * dy / 10.0, yaw: 0.0 }
+        };
+        let far = Obstacle { shape: Shape::Disc { radius: 0.01 }, x: 0.02, y: 0.02, yaw: 0.0 };
+        let world = World::new(ROOM, [vec![disc(1.0), disc(-1.0)], vec![far; n_more]].concat()).unwrap();
+        let [first, second] = [0, 1].map(|i| world.distance_to(Surface::Obstacle(i), &Point::new(x, y)));
+        let point = Footprint::new(&Shape::Disc { radius: 1e-3 }).unwrap();
+        let nearest = world.proximity(&point, &Pose::translation(x, y)).obstacle.unwrap();
+        prop_assert_eq!(nearest.0, usize::from(second - 1e-3 < first - 1e-3));
     }
 
     #[test]

@@ -90,14 +90,13 @@ fn cost(cost: &Cost, n_runs: u64, n_cores: usize) -> String {
     );
     let all = format!("all {n_cores} cores");
     row(&mut text, "", "one core", &all, n_cores);
-    let n_makers = n_cores.min(cost.n_sets.max(1)) as f64;
     for (what, each, once) in [
         ("training", cost.training, 0.0),
         ("evaluation", cost.driving, cost.scenarios),
         ("total", cost.training + cost.driving, cost.scenarios),
     ] {
         let on_one = duration(each * n_runs as f64 + once);
-        row(&mut text, what, &on_one, &duration(each * n_rounds + once / n_makers), n_cores);
+        row(&mut text, what, &on_one, &duration(each * n_rounds + once / n_cores as f64), n_cores);
     }
     let n_at_once = n_runs.min(n_cores as u64);
     row(&mut text, "memory", &bytes(cost.replay_bytes), &bytes(cost.replay_bytes * n_at_once), n_cores);
@@ -114,7 +113,11 @@ fn row(text: &mut String, what: &str, on_one: &str, on_all: &str, n_cores: usize
 /// An amount of memory in megabytes, or gigabytes where it is many.
 fn bytes(n: u64) -> String {
     let megabytes = n as f64 / 1e6;
-    if megabytes < 1e4 { format!("{megabytes:.0} MB") } else { format!("{:.0} GB", megabytes / 1e3) }
+    match megabytes {
+        ..10.0 => format!("{megabytes:.1} MB"),
+        ..1e4 => format!("{megabytes:.0} MB"),
+        _ => format!("{:.0} GB", megabytes / 1e3),
+    }
 }
 
 /// "1 seed", "2 seeds".
@@ -154,13 +157,13 @@ mod tests {
     #[test]
     fn the_cost_counts_rounds_and_makes_scenarios_once() {
         let replay_bytes = 19_200_000;
-        let each = Cost { training: 10.0, driving: 20.0, scenarios: 3.0, n_sets: 2, replay_bytes, n_cells: 1 };
+        let each = Cost { training: 10.0, driving: 20.0, scenarios: 4.0, replay_bytes, n_cells: 1 };
         let expected = "
 estimated from short trials of 1 cell here, good to a factor of 2 where the machine is idle
                one core   all 4 cores
 training           50 s          20 s
-evaluation      1.7 min          42 s
-total           2.5 min          62 s
+evaluation      1.7 min          41 s
+total           2.6 min          61 s
 memory            19 MB         77 MB
 memory is that of the replays; evaluation scenarios take some 3 kB each beside it
 ";
@@ -168,7 +171,7 @@ memory is that of the replays; evaluation scenarios take some 3 kB each beside i
         let on_one_core = cost(&each, 5, 1);
         assert!(
             on_one_core
-                .contains("one core\ntraining           50 s\nevaluation      1.7 min\ntotal           2.5 min\n")
+                .contains("one core\ntraining           50 s\nevaluation      1.7 min\ntotal           2.6 min\n")
         );
         assert!(on_one_core.contains("memory            19 MB\n"));
     }

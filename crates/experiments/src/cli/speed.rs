@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use headway_policy::Policy;
 
+use super::work::scenarios_name;
 use crate::Error;
 use crate::evaluate::{ScenarioSet, for_policy};
 use crate::spec::{EvaluateWorld, Grid, RunSpec};
@@ -33,8 +34,6 @@ pub(super) struct Cost {
     pub(super) driving: f64,
     /// Making the evaluation scenarios of the whole grid: runs share them.
     pub(super) scenarios: f64,
-    /// How many sets of scenarios there are to make; each is made on one core.
-    pub(super) n_sets: usize,
     /// Bytes that the replay of a run takes, in the cell where it takes most.
     pub(super) replay_bytes: u64,
     /// How many cells were tried.
@@ -56,26 +55,26 @@ pub(super) fn cost(grid: &Grid) -> Result<Cost, Error> {
     let stride = grid.cells.len().div_ceil(N_CELLS).max(1);
     let trials = grid.cells.iter().step_by(stride).map(|cell| Trial::of(&cell.spec));
     let trials = trials.collect::<Result<Vec<_>, _>>()?;
-    let n_sets = n_scenario_sets(grid);
+    let n_sets = n_scenario_sets(grid)?;
     let mean = |of: fn(&Trial) -> f64| trials.iter().map(of).sum::<f64>() / trials.len() as f64;
     Ok(Cost {
         training: mean(|trial| trial.training),
         driving: mean(|trial| trial.driving),
         scenarios: mean(|trial| trial.scenarios) * n_sets as f64,
-        n_sets,
         replay_bytes: replay_bytes(grid)?,
         n_cells: trials.len(),
     })
 }
 
 /// How many sets of scenarios there are to make.
-fn n_scenario_sets(grid: &Grid) -> usize {
-    let key = |spec: &RunSpec, world: &EvaluateWorld| {
-        format!("{:?}", (&world.world, spec.evaluate.n_episodes, spec.evaluate.seed, &spec.vehicle.footprint))
-    };
-    let keys =
-        grid.cells.iter().flat_map(|cell| cell.spec.evaluate.worlds.iter().map(move |world| key(&cell.spec, world)));
-    keys.collect::<HashSet<_>>().len()
+fn n_scenario_sets(grid: &Grid) -> Result<usize, Error> {
+    let mut names = HashSet::new();
+    for spec in grid.cells.iter().map(|cell| &cell.spec) {
+        for world in &spec.evaluate.worlds {
+            names.insert(scenarios_name(spec, world)?);
+        }
+    }
+    Ok(names.len())
 }
 
 /// The most that the replay of a run takes in any cell, bytes.
@@ -191,9 +190,11 @@ mod tests {
         let level = |key: &str| format!("[[axis]]\nname = \"x\"\nlevels = {{ a = {{}}, b = {{ {key} }} }}");
         let n_sets = |key: &str| {
             std::fs::write(&path, level(key)).unwrap();
-            n_scenario_sets(&Grid::load(&path, &[]).unwrap())
+            n_scenario_sets(&Grid::load(&path, &[]).unwrap()).unwrap()
         };
         assert_eq!(n_sets("\"agent.gamma\" = 0.9"), 2, "one for each world");
         assert_eq!(n_sets("\"evaluate.seed\" = 1"), 4);
+        assert_eq!(n_sets("\"env.reach_radius\" = 1.0"), 4);
+        assert_eq!(n_sets("\"env.time_limit\" = 1.0"), 2);
     }
 }

@@ -2,7 +2,9 @@
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::num::NonZeroUsize;
+use std::ops::Range;
 use std::sync::Arc;
 
 use headway_policy::Policy;
@@ -13,12 +15,14 @@ use crate::episode::EpisodeRecord;
 use crate::evaluate::{ScenarioSet, for_policy};
 use crate::jobs::{self, Display, Job, Progress};
 use crate::plan::{Evaluation, Run, TrainTables, evaluation_key};
+use crate::spec::{EvaluateWorld, RunSpec};
 use crate::store::{RunInfo, State, Stopwatch, Store};
 use crate::train::Training;
 
-/// The work in an evaluation episode, in env steps of training: an episode without learning took 55 us where an env step
-/// of training took 2.9 us (specs/default.toml).
-const EPISODE_WORK: u64 = 20;
+/// The work in an evaluation episode, in the unit of [`step_work`]: some 55 us.
+const EPISODE_WORK: u64 = 5000;
+/// How many scenarios are made at a time: some tenths of a second.
+const SCENARIO_BATCH: usize = 1000;
 
 /// The held-out scenarios by name, made once for all runs that share them.
 type Scenarios = BTreeMap<String, ScenarioSet>;
@@ -43,26 +47,62 @@ pub(super) fn complete(tasks: Vec<Task<'_>>, store: &Store, n_workers: NonZeroUs
     Ok(())
 }
 
+/// Makes the scenarios in batches, so that no thread waits for another one's whole set.
 fn make_scenarios(tasks: &[Task<'_>], n_workers: NonZeroUsize) -> Result<Scenarios, Error> {
     let mut missing = BTreeMap::new();
     for evaluation in tasks.iter().flat_map(|task| &task.evaluations) {
-        missing.entry(scenarios_name(evaluation)?).or_insert(*evaluation);
+        missing.entry(scenarios_name(evaluation.spec, evaluation.world)?).or_insert(*evaluation);
     }
-    let n_episodes = |evaluation: &Evaluation<'_>| evaluation.spec.evaluate.n_episodes as u64;
-    let jobs: Vec<_> = missing.values().map(|input| Job { work: n_episodes(input), input }).collect();
-    let sets = jobs::run(&jobs, n_workers, Display::auto("sets of scenarios"), |evaluation, _| {
-        let Evaluation { spec, world, .. } = evaluation;
-        let mdp = spec.evaluation(world).build().map_err(Error::failure)?;
-        ScenarioSet::new(&mdp, spec.evaluate.n_episodes, spec.evaluate.seed)
+    let mut jobs = Vec::new();
+    for (name, evaluation) in &missing {
+        let n = evaluation.spec.evaluate.n_episodes;
+        let batches = (0..n).step_by(SCENARIO_BATCH).map(|first| first..n.min(first + SCENARIO_BATCH));
+        jobs.extend(batches.map(|batch| Job { work: batch.len() as u64, input: (name, *evaluation, batch) }));
+    }
+    let batches = jobs::run(&jobs, n_workers, Display::auto("batches of scenarios"), |(_, evaluation, batch), _| {
+        scenario_batch(evaluation, batch.clone())
     })?;
-    Ok(missing.into_keys().zip(sets).collect())
+    let mut scenarios = Scenarios::new();
+    for (job, batch) in jobs.into_iter().zip(batches) {
+        match scenarios.entry(job.input.0.clone()) {
+            Entry::Vacant(entry) => drop(entry.insert(batch)),
+            Entry::Occupied(mut entry) => entry.get_mut().append(batch),
+        }
+    }
+    Ok(scenarios)
+}
+
+fn scenario_batch(Evaluation { spec, world, .. }: &Evaluation<'_>, batch: Range<usize>) -> Result<ScenarioSet, Error> {
+    let mdp = spec.evaluation(world).build().map_err(Error::failure)?;
+    ScenarioSet::part(&mdp, batch.clone(), spec.evaluate.seed).map_err(|error| Error::Run {
+        run: format!("scenarios {} to {} of the evaluation world `{}`", batch.start, batch.end - 1, world.name),
+        source: Box::new(error),
+    })
 }
 
 /// A name for all that the scenarios of an evaluation depend on: the world, how many, the seed, the vehicle that must fit
 /// through, and the goal's radius.
-fn scenarios_name(Evaluation { spec, world, .. }: &Evaluation<'_>) -> Result<String, Error> {
-    let key = evaluation_key(spec, world).id()?;
+///
+/// # Errors
+/// If the world has no TOML form.
+pub(super) fn scenarios_name(spec: &RunSpec, world: &EvaluateWorld) -> Result<String, Error> {
+    let whatever_the_time_limit = EvaluateWorld { time_limit: 1.0, ..world.clone() };
+    let key = evaluation_key(spec, &whatever_the_time_limit).id()?;
     Ok(format!("{key}/{:?}/{}", spec.vehicle.footprint, spec.env.reach_radius))
+}
+
+/// The work in an env step of a training, in tens of nanoseconds or so: the step itself, its beams, and its share of a
+/// gradient step, by the figures of `docs/benchmarks.md`.
+fn step_work(spec: &RunSpec) -> u64 {
+    let (agent, n_beams) = (&spec.agent, spec.lidar.n_beams as f64);
+    let mut n_weights = 0.0;
+    let mut n_in = n_beams + 6.0;
+    for n_out in agent.hidden.iter().map(|width| *width as f64) {
+        n_weights += n_in * n_out;
+        n_in = n_out;
+    }
+    let gradient = n_weights * agent.batch_size as f64 / agent.update_every as f64;
+    (80.0 + n_beams / 6.0 + gradient / 100.0) as u64
 }
 
 impl<'a> Task<'a> {
@@ -87,8 +127,9 @@ impl<'a> Task<'a> {
 
     fn into_job(self) -> Job<Self> {
         let n_episodes: usize = self.evaluations.iter().map(|evaluation| evaluation.spec.evaluate.n_episodes).sum();
-        let n_steps = if self.trains { self.run.spec.train.n_steps } else { 0 };
-        Job { work: n_steps + EPISODE_WORK * n_episodes as u64, input: self }
+        let training =
+            if self.trains { self.run.spec.train.n_steps.saturating_mul(step_work(self.run.spec)) } else { 0 };
+        Job { work: training.saturating_add(EPISODE_WORK * n_episodes as u64), input: self }
     }
 
     fn complete(&self, store: &Store, scenarios: &Scenarios, progress: &Progress<'_>) -> Result<(), Error> {
@@ -104,7 +145,7 @@ impl<'a> Task<'a> {
         }
         let policy = Arc::new(Policy::load(&store.run(&self.run.id).policy_path()).map_err(Error::failure)?);
         for evaluation in &self.evaluations {
-            let set = &scenarios[&scenarios_name(evaluation)?];
+            let set = &scenarios[&scenarios_name(evaluation.spec, evaluation.world)?];
             let Evaluation { id, spec, world } = evaluation;
             let stopwatch = Stopwatch::start();
             let (mdp, mut driver) = for_policy(spec.evaluation(world), &policy)?;
@@ -126,9 +167,10 @@ fn train(run: &Run<'_>, store: &Store, progress: &Progress<'_>) -> Result<(), Er
     let pending = store.run(&run.id).start(&TrainTables::of(run.spec), &info)?;
     let mut metrics = pending.metrics()?;
     let mut training = Training::new(run.spec, run.seed)?;
+    let work_a_step = run.spec.train.n_envs as u64 * step_work(run.spec);
     while !training.is_over() {
         training.step()?;
-        progress.advance(run.spec.train.n_envs as u64);
+        progress.advance(work_a_step);
         if let Some(row) = training.metrics() {
             metrics.push(&row)?;
         }

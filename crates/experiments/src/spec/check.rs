@@ -36,7 +36,7 @@ impl RunSpec {
             [&[obs_dim], &agent.hidden[..], &[n_actions]].concat().iter().map(|width| *width as f64).collect();
         let n_weights: f64 = layers.windows(2).map(|pair| pair[0] * pair[1]).sum();
         for (path, n_numbers) in [
-            // The observation before and after.
+            // Every observation once; at worst, where every step ends an episode, twice.
             ("agent.replay_capacity", agent.replay_capacity as f64 * obs_dim as f64 * 2.0),
             // Online, target and averaged weights, the gradient, and Adam's two moments.
             ("agent.hidden", n_weights * 6.0),

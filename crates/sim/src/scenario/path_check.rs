@@ -225,5 +225,24 @@ mod tests {
         // To the wall 0.7, between the discs 1.0, between a disc and the square 1.5.
         let world = World::new(room, vec![disc(1.2, 5.0), disc(3.2, 5.0), disc(5.0, 5.5), square]).unwrap();
         assert!(world.has_gaps_above(0.69) && !world.has_gaps_above(0.71));
+        // Farther from the walls, the discs' 0.8 decides; then the 1.5 between a disc and the square.
+        let world = World::new(room, vec![disc(3.0, 5.0), disc(4.8, 5.0)]).unwrap();
+        assert!(world.has_gaps_above(0.79) && !world.has_gaps_above(0.81));
+        let square = Obstacle { shape: Shape::Box { length: 1.0, width: 1.0 }, x: 5.0, y: 7.0, yaw: 0.0 };
+        let world = World::new(room, vec![disc(5.0, 4.5), square.clone()]).unwrap();
+        assert!(world.has_gaps_above(1.49) && !world.has_gaps_above(1.51));
+        // Two squares, turned by 45 degrees: their corners are 5 - sqrt(2) apart; and many posts between.
+        let turned = |x: f64| Obstacle { x, y: 5.0, yaw: std::f64::consts::FRAC_PI_4, ..square.clone() };
+        let large = Room { width: 100.0, height: 100.0 };
+        let posts =
+            (0..40).map(|k| Obstacle { shape: Shape::Disc { radius: 0.5 }, x: 50.0 + f64::from(k), y: 50.0, yaw: 0.0 });
+        let spread = posts.clone().map(|post| Obstacle {
+            x: 5.0 * (post.x - 50.0).rem_euclid(15.0) + 20.0,
+            y: 20.0 + 8.0 * ((post.x - 50.0) / 15.0).floor(),
+            ..post
+        });
+        let world = World::new(large, [turned(4.5), turned(9.5)].into_iter().chain(spread).collect()).unwrap();
+        let gap = 5.0 - std::f64::consts::SQRT_2;
+        assert!(world.has_gaps_above(gap - 0.01) && !world.has_gaps_above(gap + 0.01));
     }
 }

@@ -7,12 +7,17 @@ use crate::{Point, Room};
 /// Up to so many circles, looking at all of them costs less than finding out which are near.
 const FEW: usize = u32::BITS as usize;
 
+/// By how much a circle is larger than it need be, metres: more than rounding can make of a contact.
+const SLACK: f64 = 1e-9;
+
 /// A circle around each solid, in blocks of x, y and radius; beyond [`FEW`], a grid tells which are near.
+///
+/// The circles are bounds, a nanometre too large: who is asked whether it touches decides.
 #[derive(Debug, Clone)]
 pub(super) struct Circles {
     blocks: Vec<Block>,
     len: usize,
-    /// Whether every circle is the solid's own outline.
+    /// Whether every circle is, but for the slack, the solid's own outline.
     are_exact: bool,
     buckets: Option<Buckets>,
 }
@@ -27,6 +32,7 @@ impl Circles {
     /// Adds the circle around a solid, whose index is the number of those before it; `is_exact` if the solid fills it.
     pub(super) fn push(&mut self, center: &Point, radius: f64, is_exact: bool) {
         self.are_exact &= is_exact;
+        let radius = radius + SLACK;
         let lane = self.len % LANES;
         if lane == 0 {
             self.blocks.push(Block::EMPTY);

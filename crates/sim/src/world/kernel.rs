@@ -86,7 +86,7 @@ fn near_portable(blocks: &[Block], point: &Point, reach: f64) -> u32 {
         let mut least = [f64::INFINITY; LANES / 2];
         for (lane, least) in least.iter_mut().enumerate() {
             let (a, b) = (block.excess(lane, point, reach), block.excess(lane + LANES / 2, point, reach));
-            *least = if a < b { a } else { b };
+            *least = if b < a { b } else { a };
         }
         if least.iter().any(|excess| *excess <= 0.0) {
             for lane in 0..LANES {
@@ -120,7 +120,8 @@ mod tests {
     proptest! {
         #[test]
         fn all_instructions_find_the_circles_that_distances_tell(
-            circles in prop::collection::vec((-5.0..5.0, -5.0..5.0, 0.0..1.0), 0..=32), reach in 0.0..5.0,
+            circles in prop::collection::vec((-5.0..5.0, -5.0..5.0, 0.0..1.0), 0..=32),
+            reach in prop_oneof![0.0..5.0, Just(0.0), Just(f64::INFINITY)],
         ) {
             let mut blocks = vec![Block::EMPTY; circles.len().div_ceil(LANES)];
             for (i, (x, y, radius)) in circles.iter().enumerate() {
