@@ -114,7 +114,7 @@ impl NavEnv {
     ) -> Result<(), EnvError> {
         check_len("reset environments", self.navigators.len(), self.n_envs)?;
         out.check(self.n_envs, self.mdp.obs_dim())?;
-        let episodes = Episodes { mdp: &self.mdp, seed: self.seed, stride: self.n_envs as u64 };
+        let episodes = Episodes { seed: self.seed, stride: self.n_envs as u64 };
         let shard = Shard::all(&mut self.navigators, &mut self.scenarios, out);
         match &self.threads {
             Some(threads) if self.n_envs > Shard::GRAIN => {

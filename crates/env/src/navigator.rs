@@ -38,7 +38,7 @@ pub(crate) struct NavigatorState {
 
 /// One moment in plain numbers: what becomes a reward's [`State`].
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(crate) struct Facts {
+struct Facts {
     speed: f64,
     yaw_rate: f64,
     goal_distance: f64,

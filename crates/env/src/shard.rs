@@ -1,10 +1,8 @@
 //! A part of a batch of environments.
 
-use std::sync::Arc;
-
 use headway_reward::Event;
 
-use crate::{EnvError, Mdp, Navigator, Step, StepEnd};
+use crate::{EnvError, Navigator, Step, StepEnd};
 
 /// Neighbouring environments and their rows of a [`Step`]: what one thread steps at a time.
 pub(crate) struct Shard<'a> {
@@ -22,8 +20,7 @@ pub(crate) struct Shard<'a> {
 
 /// Where new episodes come from.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Episodes<'a> {
-    pub(crate) mdp: &'a Arc<Mdp>,
+pub(crate) struct Episodes {
     pub(crate) seed: u64,
     /// How many scenarios an environment's next one lies ahead.
     pub(crate) stride: u64,
@@ -46,7 +43,7 @@ impl<'a> Shard<'a> {
     /// That of the first environment that failed.
     pub(crate) fn step_on_threads(
         self,
-        episodes: Episodes<'_>,
+        episodes: Episodes,
         advance: &(impl Fn(&mut Navigator, usize) -> Result<StepEnd, EnvError> + Sync),
     ) -> Result<(), EnvError> {
         if self.navigators.len() <= Self::GRAIN {
@@ -64,10 +61,10 @@ impl<'a> Shard<'a> {
     /// That of the first environment that failed.
     pub(crate) fn step(
         self,
-        episodes: Episodes<'_>,
+        episodes: Episodes,
         advance: &impl Fn(&mut Navigator, usize) -> Result<StepEnd, EnvError>,
     ) -> Result<(), EnvError> {
-        let dim = episodes.mdp.obs_dim();
+        let dim = self.obs_dim();
         for (index, navigator) in self.navigators.iter_mut().enumerate() {
             let end = advance(navigator, self.first + index)?;
             self.rewards[index] = end.reward as f32;
@@ -88,9 +85,13 @@ impl<'a> Shard<'a> {
         Ok(())
     }
 
+    /// Numbers in an observation; of no environments, any will do.
+    fn obs_dim(&self) -> usize {
+        self.obs.len() / self.navigators.len().max(1)
+    }
+
     fn halves(self) -> (Self, Self) {
-        let n = self.navigators.len();
-        let (middle, dim) = (n / 2, self.obs.len() / n);
+        let (middle, dim) = (self.navigators.len() / 2, self.obs_dim());
         let navigators = self.navigators.split_at_mut(middle);
         let scenarios = self.scenarios.split_at_mut(middle);
         let next_obs = self.next_obs.split_at_mut(middle * dim);

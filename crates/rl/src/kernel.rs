@@ -3,10 +3,7 @@
 //! Candle multiplies through the same `gemm` crate, but asks for the number of threads before every product. Where
 //! `RAYON_NUM_THREADS` is not set that reads `/proc/cpuinfo`, which took longer (17 us) than the product itself, and
 //! then spreads products over threads that are too small to gain by it.
-#![allow(
-    unsafe_code,
-    reason = "gemm takes raw pointers and processors differ; every bound and feature is checked first"
-)]
+#![allow(unsafe_code, reason = "gemm takes raw pointers, and processors differ: bounds and features are checked first")]
 
 /// A matrix view of numbers in memory.
 #[derive(Debug, Clone, Copy)]

@@ -143,6 +143,7 @@ fn collision(c: &mut Criterion) {
         group.finish();
     }
 }
+
 fn obstacles(c: &mut Criterion) {
     let mut group = c.benchmark_group("clearance/obstacles");
     for n in [10, 30, 100, 300, 1000] {

@@ -257,12 +257,16 @@ mod tests {
         /// What a step skips, since the two ends vouch for the way, against looking everywhere.
         #[test]
         fn a_step_is_what_looking_everywhere_finds(
-            seed in 0..200_u64, is_box in any::<bool>(), max_speed in 0.5..20.0, commands in prop::collection::vec((0.0..1.0, -1.0..1.0), 12),
+            seed in 0..200_u64,
+            is_box in any::<bool>(),
+            max_speed in 0.5..20.0,
+            commands in prop::collection::vec((0.0..1.0, -1.0..1.0), 12),
         ) {
             let footprint = if is_box { Shape::Box { length: 0.6, width: 0.3 } } else { Shape::Disc { radius: 0.25 } };
-            let spec = VehicleSpec { footprint, max_speed, max_acceleration: 50.0, max_yaw_rate: 4.0, ..VehicleSpec::default() };
-            let vehicle = spec.build().unwrap();
-            let room = RoomSpec { kinds: Kinds { disc: 1.0, r#box: 1.0, polygon: 1.0 }, obstacle_radius: Interval::Range([0.05, 0.4]), ..RoomSpec::default() };
+            let limits = VehicleSpec { max_acceleration: 50.0, max_yaw_rate: 4.0, ..VehicleSpec::default() };
+            let vehicle = VehicleSpec { footprint, max_speed, ..limits }.build().unwrap();
+            let kinds = Kinds { disc: 1.0, r#box: 1.0, polygon: 1.0 };
+            let room = RoomSpec { kinds, obstacle_radius: Interval::Range([0.05, 0.4]), ..RoomSpec::default() };
             let scenario = WorldSpec::Room(room).build(vehicle.footprint()).unwrap().scenario(seed, 0).unwrap();
             let (world, mut state) = (&scenario.world, VehicleState::at_rest(scenario.start));
             for (speed, yaw_rate) in commands {
