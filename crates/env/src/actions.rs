@@ -136,7 +136,7 @@ impl ActionSet {
             SpeedRule::To(target) => target,
             SpeedRule::By(change) => (speed + change).clamp(self.range.0, self.range.1),
         };
-        Command { speed, yaw_rate: self.yaw_rates[turn] }
+        Command::new(speed, self.yaw_rates[turn])
     }
 }
 
@@ -153,9 +153,9 @@ mod tests {
         let actions = build(&ActionSpec::default());
         assert_eq!(actions.len(), 12);
         let command = |action, side| actions.command(action, 0.0, side);
-        assert_eq!(command(5, Side::AsSeen), Command { speed: 0.5, yaw_rate: 1.5 });
-        assert_eq!(command(5, Side::Mirrored), Command { speed: 0.5, yaw_rate: -1.5 });
-        assert_eq!(command(10, Side::Mirrored), Command { speed: 1.5, yaw_rate: 0.0 });
+        assert_eq!(command(5, Side::AsSeen), Command::new(0.5, 1.5));
+        assert_eq!(command(5, Side::Mirrored), Command::new(0.5, -1.5));
+        assert_eq!(command(10, Side::Mirrored), Command::new(1.5, 0.0));
     }
 
     #[test]

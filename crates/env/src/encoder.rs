@@ -179,6 +179,7 @@ mod tests {
             vehicle: &VehicleSpec::default(),
             scan,
             beam_angles: encoder.1.beam_angles(),
+            max_range: 5.0,
             pose: Pose::new([1.0, 1.0].into(), std::f64::consts::FRAC_PI_2),
             twist: Twist::new(0.75, 0.0, -0.3),
             goal,

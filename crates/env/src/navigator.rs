@@ -193,6 +193,7 @@ impl Navigator {
             vehicle: self.mdp.vehicle.spec(),
             scan: &self.state.after.scan,
             beam_angles: self.mdp.lidar.beam_angles(),
+            max_range: self.mdp.lidar.spec().max_range,
             pose: self.state.vehicle.pose,
             twist: self.state.vehicle.twist,
             goal: self.state.goal,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use headway_env::{ActionSpec, Control, EnvSpec, Event, GoalHandling, Mdp, NavSpec, Navigator, StepEnd};
 use headway_sim::{Command, GoalRule, Obstacle, Point, Pose, Room, Scenario, Shape, World};
 
-const STRAIGHT: Command = Command { speed: 1.0, yaw_rate: 0.0 };
+const STRAIGHT: Command = Command::new(1.0, 0.0);
 
 fn mdp(env: EnvSpec) -> Arc<Mdp> {
     NavSpec { env, ..NavSpec::default() }.build().unwrap()
@@ -14,7 +14,7 @@ fn mdp(env: EnvSpec) -> Arc<Mdp> {
 /// A vehicle at (2, 5) facing +x in a 20 x 10 m room, with a goal and perhaps a post on its way.
 fn navigator(env: EnvSpec, goal_x: f64, post_x: Option<f64>) -> Navigator {
     let post = |x| Obstacle { shape: Shape::Disc { radius: 0.2 }, x, y: 5.0, yaw: 0.0 };
-    let world = World::new(Room { width: 20.0, height: 10.0 }, post_x.map(post).into_iter().collect()).unwrap();
+    let world = World::new(Room::new(20.0, 10.0), post_x.map(post).into_iter().collect()).unwrap();
     let scenario = Scenario {
         world,
         start: Pose::translation(2.0, 5.0),

@@ -124,7 +124,7 @@ fn scene(posts: &[(f64, f64, f64)], goal: (f64, f64), at: &Pose, left: f64) -> N
         let point = at * Point::new(*x, left * y);
         Obstacle { shape: Shape::Disc { radius: *radius }, x: point.x, y: point.y, yaw: 0.0 }
     };
-    let world = World::new(Room { width: 200.0, height: 200.0 }, posts.iter().map(place).collect()).unwrap();
+    let world = World::new(Room::new(200.0, 200.0), posts.iter().map(place).collect()).unwrap();
     let goal_rule = GoalRule { distance: 4.0, clearance: 0.2 };
     let scenario = Scenario { world, start: *at, goal: at * Point::new(goal.0, left * goal.1), goal_rule };
     let quiet = NavSpec { lidar: LidarSpec::default(), ..spec(GoalHandling::Terminate) };
@@ -152,7 +152,7 @@ fn commands_and_the_actions_that_mean_them_do_the_same() {
     b.reset(3, &mut step.obs).unwrap();
     let mut other = step.clone();
     a.step(&[8, 10], &mut step).unwrap();
-    let commands = [(1.0, 1.5), (1.5, 0.0)].map(|(speed, yaw_rate)| Command { speed, yaw_rate });
+    let commands = [(1.0, 1.5), (1.5, 0.0)].map(|(speed, yaw_rate)| Command::new(speed, yaw_rate));
     b.step_commands(&commands, &mut other).unwrap();
     assert_eq!(step, other);
 }

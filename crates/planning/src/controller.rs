@@ -16,6 +16,8 @@ pub struct Sensed<'a> {
     pub scan: &'a [f32],
     /// Directions of the beams in the vehicle's frame, radians.
     pub beam_angles: &'a [f64],
+    /// The lidar's greatest range, metres.
+    pub max_range: f64,
     /// Where the vehicle believes it is (odometry).
     pub pose: Pose,
     /// How it moves, in the body frame.

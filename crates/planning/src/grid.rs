@@ -1,10 +1,13 @@
 //! Occupancy grids.
 
 use headway_sim::{Point, Surface, World};
+use nalgebra::Vector2;
 
 /// A grid of square cells over a room, each free or blocked.
 #[derive(Debug, Clone)]
 pub struct GridMap {
+    /// The corner of least x and y.
+    corner: Point,
     cell: f64,
     n_x: usize,
     n_y: usize,
@@ -28,10 +31,11 @@ impl GridMap {
         let count = |extent: f64| (extent / cell).ceil().max(1.0) as usize;
         let (n_x, n_y) = (count(room.width), count(room.height));
         assert!(n_x.saturating_mul(n_y) <= 1 << 28, "cells fit in memory");
-        let mut map = Self { cell, n_x, n_y, blocked: vec![false; n_x * n_y] };
+        let corner = Point::new(room.x, room.y);
+        let mut map = Self { corner, cell, n_x, n_y, blocked: vec![false; n_x * n_y] };
         let strip = |n: usize| ((inflation.max(0.0) / cell).ceil() as usize).saturating_add(1).min(n);
         let (low, high) = (|n: usize| 0..strip(n), |n: usize| n - strip(n)..n);
-        // As the walls are numbered: x = 0, y = 0, x = width, y = height.
+        // As the walls are numbered: least x, least y, greatest x, greatest y.
         let strips = [(low(n_x), 0..n_y), (0..n_x, low(n_y)), (high(n_x), 0..n_y), (0..n_x, high(n_y))];
         for (index, cells) in strips.into_iter().enumerate() {
             map.block(world, Surface::Wall(index), cells, inflation);
@@ -42,7 +46,12 @@ impl GridMap {
                 let low = ((middle - reach) / cell).floor().max(0.0) as usize;
                 low.min(n)..(((middle + reach) / cell).ceil().max(0.0) as usize).min(n)
             };
-            map.block(world, Surface::Obstacle(index), (span(obstacle.x, n_x), span(obstacle.y, n_y)), inflation);
+            map.block(
+                world,
+                Surface::Obstacle(index),
+                (span(obstacle.x - room.x, n_x), span(obstacle.y - room.y, n_y)),
+                inflation,
+            );
         }
         map
     }
@@ -67,7 +76,7 @@ impl GridMap {
     #[must_use]
     pub fn is_free(&self, point: &Point) -> bool {
         let place = |x: f64, n: usize| (x >= 0.0 && x < n as f64 * self.cell).then(|| (x / self.cell) as usize);
-        let cell = place(point.x, self.n_x).zip(place(point.y, self.n_y));
+        let cell = place(point.x - self.corner.x, self.n_x).zip(place(point.y - self.corner.y, self.n_y));
         cell.is_some_and(|cell| !self.is_blocked(cell))
     }
 
@@ -87,6 +96,7 @@ impl GridMap {
             let next = if rate > 0.0 { index + 1 } else { index };
             if rate == 0.0 { f64::INFINITY } else { (next as f64 * self.cell - position) / rate }
         };
+        let a = a - self.corner;
         let (mut to_x, mut to_y) = (border(a.x, here.0, d.x), border(a.y, here.1, d.y));
         let n_borders = here.0.abs_diff(end.0) + here.1.abs_diff(end.1);
         for _ in 0..n_borders {
@@ -115,13 +125,13 @@ impl GridMap {
 
     /// The middle of a cell.
     pub(crate) fn center(&self, (column, row): Cell) -> Point {
-        Point::new((column as f64 + 0.5) * self.cell, (row as f64 + 0.5) * self.cell)
+        self.corner + Vector2::new(column as f64 + 0.5, row as f64 + 0.5) * self.cell
     }
 
     /// The cell that holds a point, or the nearest one to it.
     pub(crate) fn cell_of(&self, point: &Point) -> Cell {
         let index = |x: f64, n: usize| ((x / self.cell).max(0.0) as usize).min(n - 1);
-        (index(point.x, self.n_x), index(point.y, self.n_y))
+        (index(point.x - self.corner.x, self.n_x), index(point.y - self.corner.y, self.n_y))
     }
 
     /// The free cell whose centre is nearest to a point, if there is any free cell.
@@ -146,7 +156,7 @@ mod tests {
         let disc = |x, y, radius| Obstacle { shape: Shape::Disc { radius }, x, y, yaw: 0.0 };
         let shape = Shape::Box { length: 2.0, width: 0.4 };
         let boxed = Obstacle { shape, x: 3.0, y: 7.0, yaw: 0.6 };
-        World::new(Room { width: 10.0, height: 9.93 }, vec![disc(5.0, 4.0, 0.8), boxed]).unwrap()
+        World::new(Room::new(10.0, 9.93), vec![disc(5.0, 4.0, 0.8), boxed]).unwrap()
     }
 
     #[test]
@@ -164,7 +174,7 @@ mod tests {
     #[test]
     fn walls_block_wherever_they_are_near() {
         for (width, height) in [(10.0, 9.93), (0.35, 4.0), (1.0, 1.0)] {
-            let world = World::new(Room { width, height }, vec![]).unwrap();
+            let world = World::new(Room::new(width, height), vec![]).unwrap();
             for inflation in [-0.1, 0.0, 0.13, 0.3, 2.0, 1e300] {
                 let map = GridMap::from_world(&world, 0.1, inflation);
                 for cell in (0..map.n_y).flat_map(|row| (0..map.n_x).map(move |column| (column, row))) {

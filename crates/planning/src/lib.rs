@@ -10,7 +10,7 @@
 //! use headway_sim::{Obstacle, Point, Room, Shape, World};
 //!
 //! let pillar = Obstacle { shape: Shape::Disc { radius: 1.0 }, x: 5.0, y: 5.0, yaw: 0.0 };
-//! let world = World::new(Room { width: 10.0, height: 10.0 }, vec![pillar])?;
+//! let world = World::new(Room::new(10.0, 10.0), vec![pillar])?;
 //! let map = GridMap::from_world(&world, 0.1, 0.3);
 //! let route = plan(&map, &Point::new(1.0, 5.0), &Point::new(9.0, 5.0)).expect("there is room to both sides");
 //! assert!(route.length() > 8.0 && route.length() < 9.0);

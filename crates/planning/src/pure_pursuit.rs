@@ -52,10 +52,10 @@ impl PurePursuit {
         let to_target = pose.inverse_transform_point(&target).coords;
         let (distance, bearing) = (to_target.norm(), to_target.y.atan2(to_target.x));
         if bearing.abs() > self.turn_angle {
-            return Command { speed: 0.0, yaw_rate: self.turn_rate.copysign(bearing) };
+            return Command::new(0.0, self.turn_rate.copysign(bearing));
         }
         let curvature = if distance > 1e-9 { 2.0 * bearing.sin() / distance } else { 0.0 };
-        Command { speed, yaw_rate: speed * curvature }
+        Command::new(speed, speed * curvature)
     }
 }
 
@@ -77,7 +77,7 @@ mod tests {
     fn an_arc_to_a_point_abeam_by_hand() {
         // A point 0.8 m ahead on a line that lies 0.4 m to the left: sin(a) = 0.4 / l, w = 2 v 0.4 / l^2.
         let route = Route::new(vec![Point::new(-5.0, 0.4), Point::new(5.0, 0.4)]);
-        let Command { speed, yaw_rate } = PurePursuit::default().follow(&route, &Pose::identity(), 0.5);
+        let Command { speed, yaw_rate, .. } = PurePursuit::default().follow(&route, &Pose::identity(), 0.5);
         assert_eq!(speed, 0.5);
         assert!((yaw_rate - 2.0 * 0.5 * 0.4 / (0.8 * 0.8 + 0.4 * 0.4)).abs() < 1e-12);
     }
@@ -86,12 +86,12 @@ mod tests {
     fn turns_on_the_spot_towards_what_lies_aside() {
         let route = Route::new(vec![Point::origin(), Point::new(-5.0, -1.0)]);
         let command = PurePursuit::default().follow(&route, &Pose::identity(), 1.0);
-        assert_eq!(command, Command { speed: 0.0, yaw_rate: -1.5 });
+        assert_eq!(command, Command::new(0.0, -1.5));
     }
 
     #[test]
     fn follows_a_bent_route_to_its_end() {
-        let world = World::new(Room { width: 20.0, height: 20.0 }, vec![]).unwrap();
+        let world = World::new(Room::new(20.0, 20.0), vec![]).unwrap();
         let vehicle = VehicleSpec { control_period: 0.05, ..VehicleSpec::default() }.build().unwrap();
         let corners = [[2.0, 2.0], [10.0, 2.0], [10.0, 10.0], [3.0, 14.0]];
         let route = Route::new(corners.map(Point::from).into());
@@ -110,6 +110,7 @@ mod tests {
                 vehicle: vehicle.spec(),
                 scan: &[],
                 beam_angles: &[],
+                max_range: 5.0,
                 pose: state.pose,
                 twist: state.twist,
                 goal: Point::new(3.0, 14.0),

@@ -162,7 +162,7 @@ mod tests {
         let barrier = |width| {
             let shape = Shape::Box { length: 0.2, width };
             let obstacle = Obstacle { shape, x: 5.0, y: width / 2.0, yaw: 0.0 };
-            World::new(Room { width: 10.0, height: 10.0 }, vec![obstacle]).unwrap()
+            World::new(Room::new(10.0, 10.0), vec![obstacle]).unwrap()
         };
         let (start, goal) = (Point::new(2.0, 2.0), Point::new(8.0, 2.0));
         let route = plan(&GridMap::from_world(&barrier(6.0), 0.1, 0.25), &start, &goal).unwrap();

@@ -29,7 +29,7 @@ fn room() -> (World, Pose) {
         let (column, row) = (f64::from(cell % 5), f64::from(cell / 5));
         Obstacle { shape, x: 2.0 * column + 1.0, y: 2.0 * row + 1.0, yaw: f64::from(cell) }
     });
-    let world = World::new(Room { width: 10.0, height: 10.0 }, obstacles.collect()).expect("all fits");
+    let world = World::new(Room::new(10.0, 10.0), obstacles.collect()).expect("all fits");
     (world, Pose::new([5.1, 4.9].into(), 0.3))
 }
 

@@ -66,15 +66,15 @@ fn to_sensor(pose: &Pose, point: &Point) -> Vector2<f64> {
 #[inline(always)]
 fn paint_walls(beams: &Beams, world: &World, pose: &Pose, inverse: &mut [[f32; LANES]]) {
     let room = world.room();
-    let (x, y) = (pose.translation.x, pose.translation.y);
+    let [left, below, right, above] = room.to_walls(&Point::from(pose.translation.vector));
     let (sin, cos) = (pose.rotation.im, pose.rotation.re);
-    // Normals towards the walls x = 0, x = width, y = 0, y = height in the sensor's frame, over the distances.
+    // Normals towards the walls of least and greatest x and y in the sensor's frame, over the distances.
     let toward = |h: f64, normal: [f64; 2]| {
         let h = h.max(1e-6);
         [((cos * normal[0] + sin * normal[1]) / h) as f32, ((cos * normal[1] - sin * normal[0]) / h) as f32]
     };
-    let [a, b] = [toward(x, [-1.0, 0.0]), toward(room.width - x, [1.0, 0.0])];
-    let [c, d] = [toward(y, [0.0, -1.0]), toward(room.height - y, [0.0, 1.0])];
+    let [a, b] = [toward(left, [-1.0, 0.0]), toward(right, [1.0, 0.0])];
+    let [c, d] = [toward(below, [0.0, -1.0]), toward(above, [0.0, 1.0])];
     for ((out, cos), sin) in inverse.iter_mut().zip(&beams.cos).zip(&beams.sin) {
         for lane in 0..LANES {
             let along = |n: [f32; 2]| n[0] * cos[lane] + n[1] * sin[lane];

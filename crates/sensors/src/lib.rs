@@ -9,7 +9,7 @@
 //! use headway_sensors::LidarSpec;
 //! use headway_sim::{Pose, Room, World, stream};
 //!
-//! let world = World::new(Room { width: 10.0, height: 15.0 }, vec![])?;
+//! let world = World::new(Room::new(10.0, 15.0), vec![])?;
 //! let lidar = LidarSpec { max_range: 20.0, ..LidarSpec::default() }.build()?;
 //! let mut scan = vec![0.0; lidar.beam_angles().len()];
 //! lidar.scan(&world, &Pose::translation(4.0, 5.0), &mut stream(0, "noise", 0), &mut scan);

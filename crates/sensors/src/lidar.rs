@@ -183,7 +183,7 @@ mod tests {
             let shape = if size > 0.5 { Shape::Box { length: size, width: 0.3 } } else { Shape::Disc { radius: size } };
             Obstacle { shape, x: at.x, y: at.y, yaw }
         };
-        let room = Room { width: 200.0, height: 200.0 };
+        let room = Room::new(200.0, 200.0);
         World::new(room, solids.iter().map(place).collect()).unwrap()
     }
 
@@ -218,7 +218,7 @@ mod tests {
 
     #[test]
     fn noise_and_dropout_have_their_sizes() {
-        let world = World::new(Room { width: 10.0, height: 10.0 }, vec![]).unwrap();
+        let world = World::new(Room::new(10.0, 10.0), vec![]).unwrap();
         let spec = LidarSpec { n_beams: 20_000, noise: 0.1, dropout: 0.25, max_range: 50.0, ..LidarSpec::default() };
         let clean = LidarSpec { noise: 0.0, dropout: 0.0, ..spec.clone() };
         let pose = Pose::translation(5.0, 5.0);

@@ -60,7 +60,7 @@ impl ObstacleAngle {
     /// let disc = |radius| Shape::Disc { radius };
     /// // A disc of radius 1 m, 2 m to the left: its edges are 30 degrees off its centre.
     /// let obstacle = Obstacle { shape: disc(1.0), x: 5.0, y: 7.0, yaw: 0.0 };
-    /// let world = World::new(Room { width: 10.0, height: 15.0 }, vec![obstacle])?;
+    /// let world = World::new(Room::new(10.0, 15.0), vec![obstacle])?;
     /// let pose = Pose::translation(5.0, 5.0);
     /// let proximity = world.proximity(&Footprint::new(&disc(0.25))?, &pose);
     /// let angle = ObstacleAngleSpec::default().build()?.measure(&world, &pose, &Twist::zeros(), &proximity);
@@ -196,7 +196,7 @@ mod tests {
     use headway_sim::{Footprint, Obstacle, Room, Shape};
 
     fn measure(spec: ObstacleAngleSpec, obstacles: Vec<Obstacle>, pose: Pose, twist: Twist) -> Option<f64> {
-        let world = World::new(Room { width: 20.0, height: 20.0 }, obstacles).unwrap();
+        let world = World::new(Room::new(20.0, 20.0), obstacles).unwrap();
         let footprint = Footprint::new(&Shape::Disc { radius: 0.25 }).unwrap();
         let proximity = world.proximity(&footprint, &pose);
         spec.build().unwrap().measure(&world, &pose, &twist, &proximity)
@@ -280,7 +280,7 @@ mod tests {
             let pose = Pose::new([10.0, 10.0].into(), yaw);
             let obstacles = vec![disc(11.5, 10.7, 0.4)];
             let truth = measure(spec, obstacles.clone(), pose, Twist::zeros()).unwrap();
-            let world = World::new(Room { width: 20.0, height: 20.0 }, obstacles).unwrap();
+            let world = World::new(Room::new(20.0, 20.0), obstacles).unwrap();
             let mut scan = [0.0; 720];
             lidar.scan(&world, &pose, &mut headway_sim::stream(0, "noise", 0), &mut scan);
             let seen = spec.build().unwrap().from_scan(&lidar, &scan, &extents, 0.0).unwrap();

@@ -49,7 +49,7 @@ fn step(c: &mut Criterion) {
         let mut speed = 0.5;
         b.iter(|| {
             speed = 1.5 - speed; // never at rest, and always in change
-            let motion = vehicle.step(&scenario.world, &mut state, black_box(Command { speed, yaw_rate: 0.5 }));
+            let motion = vehicle.step(&scenario.world, &mut state, black_box(Command::new(speed, 0.5)));
             if motion.collided {
                 state = VehicleState::at_rest(scenario.start);
             }

@@ -12,10 +12,10 @@
 //! ```
 //! use headway_sim::{Command, Pose, Room, Shape, Vehicle, VehicleSpec, VehicleState, World};
 //!
-//! let world = World::new(Room { width: 10.0, height: 15.0 }, vec![])?;
+//! let world = World::new(Room::new(10.0, 15.0), vec![])?;
 //! let vehicle = VehicleSpec::default().build()?;
 //! let mut state = VehicleState::at_rest(Pose::new([5.0, 5.0].into(), 0.0));
-//! let motion = vehicle.step(&world, &mut state, Command { speed: 1.0, yaw_rate: 0.0 });
+//! let motion = vehicle.step(&world, &mut state, Command::new(1.0, 0.0));
 //! assert!(!motion.collided);
 //! assert!((state.twist.x - 0.4).abs() < 1e-12); // 2 m/s^2 for 0.2 s
 //! # Ok::<(), headway_sim::SimError>(())

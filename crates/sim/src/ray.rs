@@ -12,7 +12,7 @@ impl World {
     ///
     /// ```
     /// use headway_sim::{Point, Room, World};
-    /// let world = World::new(Room { width: 10.0, height: 15.0 }, vec![])?;
+    /// let world = World::new(Room::new(10.0, 15.0), vec![])?;
     /// let range = world.cast_ray(&Point::new(4.0, 5.0), &[1.0, 0.0].into(), 30.0);
     /// assert_eq!(range, 6.0);
     /// # Ok::<(), headway_sim::SimError>(())
@@ -23,16 +23,17 @@ impl World {
         if !room.contains(origin) {
             return 0.0;
         }
-        let along = |position: f64, extent: f64, rate: f64| {
+        let [left, below, right, above] = room.to_walls(origin);
+        let along = |back: f64, ahead: f64, rate: f64| {
             if rate > 0.0 {
-                (extent - position) / rate
+                ahead / rate
             } else if rate < 0.0 {
-                -position / rate
+                -back / rate
             } else {
                 f64::INFINITY
             }
         };
-        let wall = along(origin.x, room.width, direction.x).min(along(origin.y, room.height, direction.y));
+        let wall = along(left, right, direction.x).min(along(below, above, direction.y));
         // `max` and `min` pass over what is not a number.
         let range = wall.min(max_range.max(0.0));
         let ranges =

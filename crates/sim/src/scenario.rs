@@ -65,7 +65,7 @@ impl Scenario {
     ///
     /// ```
     /// use headway_sim::{GoalRule, Point, Pose, Room, Scenario, World};
-    /// let world = World::new(Room { width: 10.0, height: 15.0 }, vec![])?;
+    /// let world = World::new(Room::new(10.0, 15.0), vec![])?;
     /// let rule = GoalRule { distance: 4.0, clearance: 0.2 };
     /// let scenario = Scenario::new(world.clone(), Pose::translation(2.0, 5.0), Point::new(8.0, 5.0), rule)?;
     /// assert_eq!(scenario.goal.x, 8.0);

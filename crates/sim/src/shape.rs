@@ -1,15 +1,22 @@
 //! Shapes as data: what specs and world files hold.
 
+use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
 use crate::check::{at_least, positive, within};
 use crate::geometry::Polygon;
 use crate::{FieldError, Point, Pose};
 
-/// A closed rectangle of walls around `[0, width] x [0, height]`, metres.
+/// A closed rectangle of walls around `[x, x + width] x [y, y + height]`, metres.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Room {
+    /// Least x within, metres.
+    #[serde(default)]
+    pub x: f64,
+    /// Least y within, metres.
+    #[serde(default)]
+    pub y: f64,
     /// Extent along x, metres.
     pub width: f64,
     /// Extent along y, metres.
@@ -17,18 +24,46 @@ pub struct Room {
 }
 
 impl Room {
-    /// Checks the extents.
+    /// The room `[0, width] x [0, height]`.
+    #[must_use]
+    pub const fn new(width: f64, height: f64) -> Self {
+        Self { x: 0.0, y: 0.0, width, height }
+    }
+
+    /// Checks the place and the extents.
     ///
     /// # Errors
-    /// Names an extent that is not from a micrometre to 1000 km.
+    /// Names a corner's coordinate beyond 1000 km or an extent that is not from a micrometre to 1000 km.
     pub fn check(&self) -> Result<(), FieldError> {
+        within("x", self.x, -SIZES[1], SIZES[1])?;
+        within("y", self.y, -SIZES[1], SIZES[1])?;
         check_size("width", self.width)?;
         check_size("height", self.height)
     }
 
+    /// The distances from a point to the walls, metres, in the order of [`crate::Surface::Wall`]; negative outside.
+    ///
+    /// ```
+    /// use headway_sim::{Point, Room};
+    /// let room = Room { x: -2.0, y: 1.0, width: 10.0, height: 15.0 };
+    /// assert_eq!(room.to_walls(&Point::new(0.0, 5.0)), [2.0, 4.0, 8.0, 11.0]);
+    /// ```
+    #[must_use]
+    #[inline]
+    pub fn to_walls(&self, point: &Point) -> [f64; 4] {
+        let Self { x, y, width, height } = self;
+        [point.x - x, point.y - y, x + width - point.x, y + height - point.y]
+    }
+
+    /// A point drawn uniformly from the room.
+    pub(crate) fn sample(&self, rng: &mut impl RngExt) -> Point {
+        let Self { x, y, width, height } = *self;
+        Point::new(x + rng.random_range(0.0..width), y + rng.random_range(0.0..height))
+    }
+
     /// Whether a point lies between the walls or on one; no point that is not a number does.
     pub(crate) fn contains(&self, point: &Point) -> bool {
-        (0.0..=self.width).contains(&point.x) && (0.0..=self.height).contains(&point.y)
+        self.to_walls(point).iter().all(|distance| *distance >= 0.0)
     }
 }
 

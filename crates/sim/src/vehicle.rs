@@ -75,6 +75,17 @@ pub struct Command {
     pub speed: f64,
     /// Yaw rate, rad/s, positive to the left.
     pub yaw_rate: f64,
+    /// Leftward speed, m/s: for vehicles that can move sideways, 0 for all others.
+    #[serde(default)]
+    pub lateral_speed: f64,
+}
+
+impl Command {
+    /// A forward speed, m/s, and a yaw rate, rad/s, without sideways motion.
+    #[must_use]
+    pub const fn new(speed: f64, yaw_rate: f64) -> Self {
+        Self { speed, yaw_rate, lateral_speed: 0.0 }
+    }
 }
 
 /// Where a vehicle is and how it moves.
@@ -176,10 +187,10 @@ impl Vehicle {
     fn target(&self, command: Command) -> Command {
         let spec = &self.spec;
         let finite = |number: f64| if number.is_finite() { number } else { 0.0 };
-        Command {
-            speed: finite(command.speed).clamp(-spec.max_reverse_speed, spec.max_speed),
-            yaw_rate: finite(command.yaw_rate).clamp(-spec.max_yaw_rate, spec.max_yaw_rate),
-        }
+        Command::new(
+            finite(command.speed).clamp(-spec.max_reverse_speed, spec.max_speed),
+            finite(command.yaw_rate).clamp(-spec.max_yaw_rate, spec.max_yaw_rate),
+        )
     }
 
     /// The next of the substeps that are left, at the mean speed and yaw rate over it; all of them in one once the target
@@ -270,7 +281,7 @@ mod tests {
             let scenario = WorldSpec::Room(room).build(vehicle.footprint()).unwrap().scenario(seed, 0).unwrap();
             let (world, mut state) = (&scenario.world, VehicleState::at_rest(scenario.start));
             for (speed, yaw_rate) in commands {
-                let target = vehicle.target(Command { speed: speed * max_speed, yaw_rate: yaw_rate * 4.0 });
+                let target = vehicle.target(Command::new(speed * max_speed, yaw_rate * 4.0));
                 let (start, mut looked) = (state, state);
                 let contact = vehicle.first_contact(world, start, target, &mut looked);
                 let motion = vehicle.step(world, &mut state, target);
@@ -286,7 +297,7 @@ mod tests {
     #[test]
     fn a_period_ends_even_if_time_does_not_advance() {
         // The corners' speed overflows, so that advancing by a millimetre takes no time: this never came back.
-        let world = World::new(Room { width: 10.0, height: 10.0 }, vec![]).unwrap();
+        let world = World::new(Room::new(10.0, 10.0), vec![]).unwrap();
         let footprint = Footprint::new(&Shape::Box { length: 9.0, width: 1.0 }).unwrap();
         let yaw_rate = 0.8e308;
         let spec = VehicleSpec { max_yaw_rate: yaw_rate, ..VehicleSpec::default() };
@@ -295,7 +306,7 @@ mod tests {
         let motion = Vehicle { substep: spec.control_period / 4.0, spec, footprint }.step(
             &world,
             &mut state,
-            Command { speed: 0.0, yaw_rate },
+            Command::new(0.0, yaw_rate),
         );
         assert_eq!(motion.duration, 0.2);
     }

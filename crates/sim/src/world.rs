@@ -15,7 +15,7 @@ use solid::Solid;
 pub(crate) use solid::nearest_on_wall;
 pub use surface::{Outline, Proximity, Surface};
 
-/// A room with static obstacles, ready to be asked for distances.
+/// A room with obstacles, ready to be asked for distances.
 ///
 /// Serialised as its room and obstacles; what is derived from them is built anew.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -119,8 +119,8 @@ impl World {
 
     /// The four walls in the order of [`Surface::Wall`].
     pub(crate) fn walls(&self) -> [[Point; 2]; 4] {
-        let Room { width, height } = self.room;
-        let corner = |x, y| Point::new(x, y);
+        let Room { x, y, width, height } = self.room;
+        let corner = |dx, dy| Point::new(x + dx, y + dy);
         let [a, b, c, d] = [corner(0.0, 0.0), corner(width, 0.0), corner(width, height), corner(0.0, height)];
         [[d, a], [a, b], [b, c], [c, d]]
     }
@@ -132,7 +132,7 @@ impl World {
     /// use headway_sim::{Footprint, Obstacle, Pose, Room, Shape, World};
     /// let disc = |radius| Shape::Disc { radius };
     /// let obstacle = Obstacle { shape: disc(0.5), x: 5.0, y: 5.0, yaw: 0.0 };
-    /// let world = World::new(Room { width: 10.0, height: 15.0 }, vec![obstacle])?;
+    /// let world = World::new(Room::new(10.0, 15.0), vec![obstacle])?;
     /// let vehicle = Footprint::new(&disc(0.25))?;
     /// let clearance = world.clearance(&vehicle, &Pose::translation(7.0, 5.0));
     /// assert!((clearance - 1.25).abs() < 1e-12);
@@ -193,7 +193,7 @@ impl World {
     /// The nearest obstacle, the first among equals: looks around ever farther until nothing beyond can be nearer.
     fn nearest_obstacle(&self, footprint: &Footprint, pose: &Pose) -> Option<(usize, f64)> {
         let (center, own_radius) = (Point::from(pose.translation.vector), footprint.circumradius());
-        let everywhere = center.x.abs() + center.y.abs() + self.room.width + self.room.height;
+        let everywhere = self.room.to_walls(&center).iter().map(|distance| distance.abs()).sum::<f64>();
         let mut reach = self.circles.first_reach();
         loop {
             let mut nearest = (usize::MAX, f64::INFINITY);
@@ -217,7 +217,7 @@ impl World {
     /// ```
     /// use headway_sim::{Obstacle, Point, Room, Shape, World};
     /// let disc = |x| Obstacle { shape: Shape::Disc { radius: 0.5 }, x, y: 5.0, yaw: 0.0 };
-    /// let world = World::new(Room { width: 10.0, height: 10.0 }, vec![disc(2.0), disc(8.0)])?;
+    /// let world = World::new(Room::new(10.0, 10.0), vec![disc(2.0), disc(8.0)])?;
     /// assert!(world.obstacles_near(&Point::new(1.0, 5.0), 3.0).eq([0]));
     /// # Ok::<(), headway_sim::SimError>(())
     /// ```
@@ -238,10 +238,7 @@ impl World {
     #[must_use]
     pub fn distance_to(&self, surface: Surface, point: &Point) -> f64 {
         match surface {
-            Surface::Wall(index) => {
-                let Room { width, height } = self.room;
-                [point.x, point.y, width - point.x, height - point.y][index]
-            }
+            Surface::Wall(index) => self.room.to_walls(point)[index],
             Surface::Obstacle(index) => self.solids[index].distance(point),
         }
     }
@@ -267,19 +264,17 @@ impl World {
     }
 
     fn wall_clearance(&self, footprint: &Footprint, pose: &Pose) -> (usize, f64) {
-        let Room { width, height } = self.room;
-        let to_walls = |p: &Point| [p.x, p.y, width - p.x, height - p.y];
         let center = Point::from(pose.translation.vector);
         // Minima pass over what is not a number: a single bad coordinate would go unnoticed.
         if ![center.x, center.y, pose.rotation.re, pose.rotation.im].iter().all(|number| number.is_finite()) {
             return (0, f64::NAN);
         }
-        let mut distances = to_walls(&center);
+        let mut distances = self.room.to_walls(&center);
         match footprint.polygon() {
             None => distances.iter_mut().for_each(|d| *d -= footprint.circumradius()),
             Some(polygon) => {
                 for corner in polygon.vertices() {
-                    for (least, d) in distances.iter_mut().zip(to_walls(&(pose * corner))) {
+                    for (least, d) in distances.iter_mut().zip(self.room.to_walls(&(pose * corner))) {
                         *least = least.min(d);
                     }
                 }

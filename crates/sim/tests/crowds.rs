@@ -3,7 +3,7 @@
 use headway_sim::{Command, Footprint, Obstacle, Point, Pose, Room, Shape, Surface, VehicleSpec, VehicleState, World};
 use proptest::prelude::*;
 
-const ROOM: Room = Room { width: 12.0, height: 9.0 };
+const ROOM: Room = Room::new(12.0, 9.0);
 
 fn obstacle() -> impl Strategy<Value = Obstacle> {
     let shape = prop_oneof![
@@ -65,7 +65,7 @@ proptest! {
         prop_assert_eq!(world.collides(&vehicle, &contact), world.clearance(&vehicle, &contact) <= 0.0);
         let mut state = VehicleState::at_rest(Pose::new([3.0, 5.0].into(), 0.0));
         let spec = VehicleSpec { max_acceleration: 3.0 + radius, ..VehicleSpec::default() };
-        let ahead = Command { speed: 1.5, yaw_rate: 0.0 };
+        let ahead = Command::new(1.5, 0.0);
         let motions = (0..30).map(|_| spec.build().unwrap().step(&world, &mut state, ahead));
         prop_assert!(motions.take_while(|motion| !motion.collided).count() < 30, "it drives into the post");
         prop_assert!(world.collides(&vehicle, &state.pose));

@@ -6,7 +6,7 @@ use headway_sim::{
 use proptest::prelude::*;
 use rand::RngExt;
 
-const HALL: Room = Room { width: 200.0, height: 200.0 };
+const HALL: Room = Room::new(200.0, 200.0);
 
 fn middle(yaw: f64) -> VehicleState {
     VehicleState::at_rest(Pose::new([100.0, 100.0].into(), yaw))
@@ -21,7 +21,7 @@ fn constant_yaw_rate_drives_a_circle() {
     let world = World::new(HALL, vec![]).unwrap();
     let vehicle = vehicle(VehicleSpec::default());
     let mut state = middle(0.3);
-    let command = Command { speed: 1.0, yaw_rate: 0.5 };
+    let command = Command::new(1.0, 0.5);
     for _ in 0..10 {
         vehicle.step(&world, &mut state, command); // reach 1 m/s and 0.5 rad/s
     }
@@ -40,7 +40,7 @@ fn acceleration_from_rest_covers_half_a_t_squared() {
     let world = World::new(HALL, vec![]).unwrap();
     let vehicle = vehicle(VehicleSpec::default());
     let mut state = middle(0.0);
-    let command = Command { speed: 1.5, yaw_rate: 0.0 };
+    let command = Command::new(1.5, 0.0);
     let distance: f64 = (0..3).map(|_| vehicle.step(&world, &mut state, command).distance).sum();
     assert!((distance - 0.5 * 2.0 * 0.6 * 0.6).abs() < 1e-12);
     assert!((state.twist.x - 1.2).abs() < 1e-12);
@@ -54,7 +54,7 @@ fn a_collision_ends_where_the_vehicle_first_touches() {
     let mut state = middle(0.0);
     let mut driven = 0.0;
     loop {
-        let motion = vehicle.step(&world, &mut state, Command { speed: 1.5, yaw_rate: 0.0 });
+        let motion = vehicle.step(&world, &mut state, Command::new(1.5, 0.0));
         driven += motion.distance;
         if motion.collided {
             assert!(motion.proximity.clearance() <= 0.0);
@@ -74,7 +74,7 @@ fn a_fast_vehicle_does_not_pass_through_a_thin_wall() {
         let spec =
             VehicleSpec { footprint, max_speed: 50.0, max_acceleration: 1e4, n_substeps: 1, ..Default::default() };
         let mut state = middle(0.0);
-        let motion = vehicle(spec).step(&world, &mut state, Command { speed: 50.0, yaw_rate: 0.0 });
+        let motion = vehicle(spec).step(&world, &mut state, Command::new(50.0, 0.0));
         assert!(motion.collided);
         assert!((state.pose.translation.x - (103.0 - 0.255)).abs() < 2e-3);
     }
@@ -90,7 +90,7 @@ fn a_long_vehicle_sweeps_what_it_turns_into() {
     let footprint = Shape::Box { length: 2.0, width: 0.1 };
     let spec =
         VehicleSpec { footprint, max_yaw_rate: 5.0, max_yaw_acceleration: 1e4, n_substeps: 1, ..Default::default() };
-    let (vehicle, command) = (vehicle(spec), Command { speed: 0.0, yaw_rate: 5.0 });
+    let (vehicle, command) = (vehicle(spec), Command::new(0.0, 5.0));
     let mut unhindered = middle(0.0);
     vehicle.step(&World::new(HALL, vec![]).unwrap(), &mut unhindered, command);
     assert!((unhindered.pose.rotation.angle() - 0.5).abs() < 1e-9);
@@ -110,11 +110,11 @@ fn what_is_not_a_number_brakes() {
             state.twist.x = 1.0;
             state.twist.z = -1.5;
         }
-        vehicle.step(&world, &mut state, Command { speed: broken, yaw_rate: 0.5 });
-        vehicle.step(&world, &mut expected, Command { speed: 0.0, yaw_rate: 0.5 });
+        vehicle.step(&world, &mut state, Command::new(broken, 0.5));
+        vehicle.step(&world, &mut expected, Command::new(0.0, 0.5));
         assert_eq!(state, expected);
-        vehicle.step(&world, &mut state, Command { speed: 1.5, yaw_rate: broken });
-        vehicle.step(&world, &mut expected, Command { speed: 1.5, yaw_rate: 0.0 });
+        vehicle.step(&world, &mut state, Command::new(1.5, broken));
+        vehicle.step(&world, &mut expected, Command::new(1.5, 0.0));
         assert_eq!(state, expected);
     }
 }
@@ -131,7 +131,7 @@ proptest! {
         let scenario = source.scenario(seed, 0).unwrap();
         let mut state = VehicleState::at_rest(scenario.start);
         for _ in 0..200 {
-            let command = Command { speed: rng.random_range(-3.0..3.0), yaw_rate: rng.random_range(-3.0..3.0) };
+            let command = Command::new(rng.random_range(-3.0..3.0), rng.random_range(-3.0..3.0));
             let before = state;
             let motion = vehicle.step(&scenario.world, &mut state, command);
             prop_assert!((-spec.max_reverse_speed..=spec.max_speed).contains(&state.twist.x));

@@ -7,7 +7,7 @@ use parry2d::shape::{Ball, ConvexPolygon, Shape as ParryShape};
 use proptest::prelude::*;
 
 /// A room whose walls are too far off to matter.
-const HALL: Room = Room { width: 200.0, height: 200.0 };
+const HALL: Room = Room::new(200.0, 200.0);
 
 fn shape() -> impl Strategy<Value = Shape> {
     prop_oneof![1 => (0.1..1.0).prop_map(|radius| Shape::Disc { radius }), 2 => polygon()]
@@ -146,7 +146,7 @@ proptest! {
 
 #[test]
 fn ranges_to_walls_by_hand() {
-    let world = World::new(Room { width: 10.0, height: 15.0 }, vec![]).unwrap();
+    let world = World::new(Room::new(10.0, 15.0), vec![]).unwrap();
     let origin = Point::new(4.0, 5.0);
     let cast = |x: f64, y: f64| world.cast_ray(&origin, &Vector2::new(x, y).normalize(), 100.0);
     assert_eq!(cast(1.0, 0.0), 6.0);
@@ -166,7 +166,7 @@ fn ranges_to_walls_by_hand() {
 
 #[test]
 fn nothing_is_seen_from_outside_or_without_range() {
-    let world = World::new(Room { width: 10.0, height: 15.0 }, vec![]).unwrap();
+    let world = World::new(Room::new(10.0, 15.0), vec![]).unwrap();
     // From outside, what faces the room saw its far wall.
     for (x, y) in [(-1.0, 5.0), (11.0, 5.0), (5.0, -1.0), (5.0, 16.0), (f64::NAN, 5.0)] {
         for direction in [Vector2::x(), Vector2::y(), -Vector2::x(), -Vector2::y()] {
@@ -183,7 +183,7 @@ fn nothing_is_seen_from_outside_or_without_range() {
 
 #[test]
 fn no_way_leads_to_what_is_not_a_number() {
-    let world = World::new(Room { width: 10.0, height: 15.0 }, vec![]).unwrap();
+    let world = World::new(Room::new(10.0, 15.0), vec![]).unwrap();
     let is_free = |x, y, radius| world.is_free(&Point::new(4.0, 5.0), &Point::new(x, y), radius);
     assert!(is_free(5.0, 5.0, 0.25));
     for (x, y, radius) in [(f64::NAN, 5.0, 0.25), (5.0, f64::INFINITY, 0.25), (5.0, 5.0, f64::NAN)] {
@@ -194,7 +194,7 @@ fn no_way_leads_to_what_is_not_a_number() {
 
 #[test]
 fn a_pose_that_is_not_finite_collides() {
-    let world = World::new(Room { width: 10.0, height: 15.0 }, vec![]).unwrap();
+    let world = World::new(Room::new(10.0, 15.0), vec![]).unwrap();
     for shape in [Shape::Disc { radius: 0.25 }, Shape::Box { length: 0.5, width: 0.4 }] {
         let footprint = Footprint::new(&shape).unwrap();
         for (x, y, yaw) in [(f64::NAN, 5.0, 0.0), (5.0, f64::NAN, 0.0), (5.0, 5.0, f64::NAN), (5.0, f64::INFINITY, 0.0)]
@@ -220,15 +220,15 @@ fn a_thin_polygon_is_no_disc() {
 #[test]
 fn obstacles_outside_the_room_are_refused() {
     let obstacle = Obstacle { shape: Shape::Disc { radius: 1.0 }, x: 0.5, y: 5.0, yaw: 0.0 };
-    let error = World::new(Room { width: 10.0, height: 15.0 }, vec![obstacle]).unwrap_err();
+    let error = World::new(Room::new(10.0, 15.0), vec![obstacle]).unwrap_err();
     assert_eq!(error.to_string(), "obstacle 0 at (0.5, 5) reaches out of the 10 x 15 m room");
     // One coordinate that was not a number went unnoticed.
     for (x, y, yaw) in [(f64::NAN, 5.0, 0.0), (5.0, f64::NAN, 0.0), (5.0, 5.0, f64::NAN)] {
         let obstacle = Obstacle { shape: Shape::Disc { radius: 1.0 }, x, y, yaw };
-        assert!(World::new(Room { width: 10.0, height: 15.0 }, vec![obstacle]).is_err());
+        assert!(World::new(Room::new(10.0, 15.0), vec![obstacle]).is_err());
     }
     let flat = Obstacle { shape: Shape::Disc { radius: -1.0 }, x: 5.0, y: 5.0, yaw: 0.0 };
-    let error = World::new(Room { width: 10.0, height: 15.0 }, vec![flat]).unwrap_err();
+    let error = World::new(Room::new(10.0, 15.0), vec![flat]).unwrap_err();
     assert_eq!(error.to_string(), "obstacles.0.shape.radius = -1: must be a finite number above 0");
 }
 

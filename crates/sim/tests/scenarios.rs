@@ -164,7 +164,7 @@ fn divided(gap: f64) -> World {
     let half = (10.0 - gap) / 2.0;
     let barrier = |y| Obstacle { shape: Shape::Box { length: 0.2, width: half }, x: 5.0, y, yaw: 0.0 };
     let barriers = vec![barrier(half / 2.0), barrier(10.0 - half / 2.0)];
-    World::new(Room { width: 10.0, height: 10.0 }, barriers).unwrap()
+    World::new(Room::new(10.0, 10.0), barriers).unwrap()
 }
 
 #[test]
@@ -182,7 +182,7 @@ fn further_goals_stay_on_the_vehicles_side() {
 #[test]
 fn further_goals_are_never_where_the_vehicle_is() {
     let vehicle = disc(0.25);
-    let world = World::new(Room { width: 10.0, height: 10.0 }, vec![]).unwrap();
+    let world = World::new(Room::new(10.0, 10.0), vec![]).unwrap();
     let (start, goal) = (Pose::translation(1.0, 5.0), Point::new(9.0, 5.0));
     // Draws are possible in the middle 0.5 m, where the vehicle is, or nowhere at all.
     for clearance in [4.5, 6.0] {
@@ -260,7 +260,7 @@ fn scenarios_are_checked_when_made_and_when_read() {
         goal_rule: GoalRule,
     }
     let post = Obstacle { shape: Shape::Disc { radius: 0.5 }, x: 5.0, y: 5.0, yaw: 0.0 };
-    let world = World::new(Room { width: 10.0, height: 10.0 }, vec![post]).unwrap();
+    let world = World::new(Room::new(10.0, 10.0), vec![post]).unwrap();
     let check = |start: Pose, goal: (f64, f64), distance: f64, clearance: f64| {
         let (goal, goal_rule) = (Point::new(goal.0, goal.1), GoalRule { distance, clearance });
         let made = Scenario::new(world.clone(), start, goal, goal_rule);

@@ -27,7 +27,7 @@ pub(super) fn scenario(
     mut ends: impl RngExt,
 ) -> Result<Scenario, SimError> {
     let (layout, ends) = (&mut layout, &mut ends);
-    let room = Room { width: spec.width.sample(layout), height: spec.height.sample(layout) };
+    let room = Room::new(spec.width.sample(layout), spec.height.sample(layout));
     let shapes = draw_shapes(spec, &room, layout);
     let rule = spec.goal_rule();
     let mut last_error = None;
@@ -80,7 +80,8 @@ fn furnish(room: Room, shapes: &[Shape], min_gap: f64, rng: &mut impl RngExt) ->
 
 /// Position and yaw.
 fn draw_place(room: &Room, rng: &mut impl RngExt) -> [f64; 3] {
-    [rng.random_range(0.0..room.width), rng.random_range(0.0..room.height), rng.random_range(-PI..PI)]
+    let Point { coords } = room.sample(rng);
+    [coords.x, coords.y, rng.random_range(-PI..PI)]
 }
 
 /// A shape of a random kind whose circumscribed circle has a random radius.

@@ -30,7 +30,7 @@ impl GoalRule {
     ///
     /// ```
     /// use headway_sim::{GoalRule, Room};
-    /// let room = Room { width: 10.0, height: 15.0 };
+    /// let room = Room::new(10.0, 15.0);
     /// let error = GoalRule { distance: 4.0, clearance: 0.0 }.check(&room).unwrap_err();
     /// assert_eq!(error.to_string(), "clearance = 0: must be from 0.01 to 1000");
     /// ```
@@ -44,7 +44,7 @@ impl GoalRule {
         within("clearance", self.clearance, 0.01, 1e3)?;
         let least = Lattice::least_clearance(room);
         if self.clearance < least {
-            let Room { width, height } = room;
+            let Room { width, height, .. } = room;
             let allowed = format!("{least} or more in a {width:.1} x {height:.1} m room, to find paths in time");
             return Err(FieldError::new("clearance", self.clearance, allowed));
         }
@@ -56,9 +56,7 @@ impl GoalRule {
     pub(super) fn place(&self, world: &World, footprint: &Footprint, rng: &mut impl RngExt) -> Option<Point> {
         let margin = footprint.circumradius() + self.clearance;
         let room = world.room();
-        (0..Self::TRIES)
-            .map(|_| Point::new(rng.random_range(0.0..room.width), rng.random_range(0.0..room.height)))
-            .find(|point| world.has_room_around(point, margin))
+        (0..Self::TRIES).map(|_| room.sample(rng)).find(|point| world.has_room_around(point, margin))
     }
 
     /// The error of a room in which `tries` pairs of start and goal failed.

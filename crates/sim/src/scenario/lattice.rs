@@ -21,7 +21,7 @@ impl Lattice {
 
     /// The step, metres, at which a room has nearly the most nodes: inside, and a tenth of it along its rim.
     fn shortest_step(room: &Room) -> f64 {
-        let Room { width, height } = room;
+        let Room { width, height, .. } = room;
         let inside = (width * height / (0.9 * Self::MOST_NODES)).sqrt();
         inside.max((width + height) / (0.09 * Self::MOST_NODES))
     }
@@ -40,8 +40,8 @@ impl Lattice {
         if !(clearance > 0.0 && n_x * n_y <= Self::MOST_NODES) {
             return None;
         }
-        let first = |extent: f64, n: f64| (extent - (n - 1.0) * step) / 2.0;
-        let first = Point::new(first(room.width, n_x), first(room.height, n_y));
+        let first = |low: f64, extent: f64, n: f64| low + (extent - (n - 1.0) * step) / 2.0;
+        let first = Point::new(first(room.x, room.width, n_x), first(room.y, room.height, n_y));
         Some(Self { step, first, n_x: n_x as usize, n_y: n_y as usize })
     }
 
@@ -79,13 +79,13 @@ mod tests {
     #[test]
     fn lattices_are_bounded() {
         for (width, height) in [(0.1, 0.1), (10.0, 15.0), (1000.0, 1000.0), (1000.0, 0.1), (1e6, 1.0)] {
-            let room = Room { width, height };
+            let room = Room::new(width, height);
             let least = Lattice::least_clearance(&room);
             let lattice = Lattice::new(&room, least).unwrap();
             assert!(lattice.n_nodes() as f64 <= Lattice::MOST_NODES);
         }
         for extent in [10.0, 1000.0] {
-            let room = Room { width: extent, height: extent };
+            let room = Room::new(extent, extent);
             assert!(Lattice::new(&room, 0.9 * Lattice::least_clearance(&room)).is_none());
         }
     }

@@ -133,7 +133,7 @@ mod tests {
         let barrier = |y: f64, width: f64| Obstacle { shape: Shape::Box { length: 0.2, width }, x: 5.0, y, yaw: 0.0 };
         let (low, high) = (4.0, 6.0 - gap);
         let obstacles = vec![barrier(low / 2.0, low), barrier(10.0 - high / 2.0, high)];
-        World::new(Room { width: 10.0, height: 10.0 }, obstacles).unwrap()
+        World::new(Room::new(10.0, 10.0), obstacles).unwrap()
     }
 
     fn joined(gap: f64) -> bool {
@@ -221,7 +221,7 @@ mod tests {
         }
         let disc = |x, y| Obstacle { shape: Shape::Disc { radius: 0.5 }, x, y, yaw: 0.0 };
         let square = Obstacle { shape: Shape::Box { length: 1.0, width: 1.0 }, x: 5.0, y: 8.0, yaw: 0.0 };
-        let room = Room { width: 10.0, height: 10.0 };
+        let room = Room::new(10.0, 10.0);
         // To the wall 0.7, between the discs 1.0, between a disc and the square 1.5.
         let world = World::new(room, vec![disc(1.2, 5.0), disc(3.2, 5.0), disc(5.0, 5.5), square]).unwrap();
         assert!(world.has_gaps_above(0.69) && !world.has_gaps_above(0.71));
@@ -233,7 +233,7 @@ mod tests {
         assert!(world.has_gaps_above(1.49) && !world.has_gaps_above(1.51));
         // Two squares, turned by 45 degrees: their corners are 5 - sqrt(2) apart; and many posts between.
         let turned = |x: f64| Obstacle { x, y: 5.0, yaw: std::f64::consts::FRAC_PI_4, ..square.clone() };
-        let large = Room { width: 100.0, height: 100.0 };
+        let large = Room::new(100.0, 100.0);
         let posts =
             (0..40).map(|k| Obstacle { shape: Shape::Disc { radius: 0.5 }, x: 50.0 + f64::from(k), y: 50.0, yaw: 0.0 });
         let spread = posts.clone().map(|post| Obstacle {

@@ -81,8 +81,8 @@ impl RoomSpec {
             within(field, x, 1e-3, 1000.0)
         })?;
         non_negative("min_gap", self.min_gap)?;
-        let smallest = Room { width: *self.width.bounds().start(), height: *self.height.bounds().start() };
-        let largest = Room { width: *self.width.bounds().end(), height: *self.height.bounds().end() };
+        let smallest = Room::new(*self.width.bounds().start(), *self.height.bounds().start());
+        let largest = Room::new(*self.width.bounds().end(), *self.height.bounds().end());
         for room in [smallest, largest] {
             self.goal_rule().check(&room).map_err(|e| FieldError { field: format!("start_goal_{}", e.field), ..e })?;
         }

@@ -12,6 +12,7 @@ const NONE: u32 = u32::MAX;
 #[derive(Debug, Clone)]
 pub(super) struct Buckets {
     n: usize,
+    corner: Point,
     per_metre: [f64; 2],
     /// Of each cell: its newest solid.
     first: Vec<u32>,
@@ -25,7 +26,8 @@ impl Buckets {
     pub(super) fn new(room: &Room, n_solids: usize) -> Self {
         let n = n_solids.isqrt().clamp(1, 128);
         let per_metre = [n as f64 / room.width, n as f64 / room.height];
-        Self { n, per_metre, first: vec![NONE; n * n], next: Vec::with_capacity(n_solids), largest_radius: 0.0 }
+        let corner = Point::new(room.x, room.y);
+        Self { n, corner, per_metre, first: vec![NONE; n * n], next: Vec::with_capacity(n_solids), largest_radius: 0.0 }
     }
 
     /// Adds the solid number `index`, one more than the last, with its bounding circle.
@@ -57,6 +59,7 @@ impl Buckets {
     /// The cell of a place, or the nearest one for a place outside.
     fn cell(&self, x: f64, y: f64) -> [usize; 2] {
         // A cast to an integer saturates, and makes 0 of what is not a number.
-        [x * self.per_metre[0], y * self.per_metre[1]].map(|along| (along as usize).min(self.n - 1))
+        [(x - self.corner.x) * self.per_metre[0], (y - self.corner.y) * self.per_metre[1]]
+            .map(|along| (along as usize).min(self.n - 1))
     }
 }

@@ -21,7 +21,7 @@ pub enum Outline<'a> {
 /// Something that a vehicle can hit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Surface {
-    /// The wall at x = 0, y = 0, x = width or y = height, in this order.
+    /// The wall at the least x, the least y, the greatest x or the greatest y, in this order.
     Wall(usize),
     /// An obstacle, by its index.
     Obstacle(usize),
