@@ -38,11 +38,11 @@ pub use angle::wrap;
 pub use check::FieldError;
 pub use error::SimError;
 pub use footprint::Footprint;
-pub use motion::arc;
+pub use motion::{arc, glide};
 pub use rng::{stream, stream_seed};
 pub use scenario::{GoalRule, Interval, Kinds, Quantity, RoomSpec, Scenario, WeightedWorld, WorldSource, WorldSpec};
 pub use shape::{Obstacle, Room, Shape};
-pub use vehicle::{Command, Motion, Vehicle, VehicleSpec, VehicleState};
+pub use vehicle::{ActuationSpec, Command, Drive, Motion, Vehicle, VehiclePreset, VehicleSpec, VehicleState};
 pub use world::{Outline, Proximity, Surface, World};
 
 /// The linear algebra of our signatures ([`Pose`], [`Point`], [`Twist`]), so that callers use the same version.

@@ -2,7 +2,7 @@
 
 use nalgebra::{UnitComplex, Vector2};
 
-use crate::Pose;
+use crate::{Pose, Twist};
 
 /// Where a unicycle is after driving at constant `speed` and `yaw_rate` for `time` seconds.
 ///
@@ -26,6 +26,24 @@ pub fn arc(pose: &Pose, speed: f64, yaw_rate: f64, time: f64) -> Pose {
     let chord = pose.rotation * Vector2::new(cos, sin) * (speed * time * sinc);
     let turn = UnitComplex::from_cos_sin_unchecked(cos * cos - sin * sin, 2.0 * sin * cos);
     Pose::from_parts((pose.translation.vector + chord).into(), pose.rotation * turn)
+}
+
+/// Where something is after moving at a constant velocity of its own frame for `time` seconds: [`arc`] with sideways motion.
+///
+/// ```
+/// use headway_sim::{glide, Pose, Twist};
+/// use std::f64::consts::{FRAC_PI_2, PI};
+/// // Leftwards while turning left: a quarter circle around the point 2 m behind.
+/// let end = glide(&Pose::identity(), &Twist::new(0.0, PI, FRAC_PI_2), 1.0);
+/// assert!((end.translation.vector - nalgebra::Vector2::new(-2.0, 2.0)).norm() < 1e-12);
+/// ```
+#[must_use]
+pub fn glide(pose: &Pose, twist: &Twist, time: f64) -> Pose {
+    let ahead = arc(pose, 1.0, twist.z, time);
+    let chord = ahead.translation.vector - pose.translation.vector;
+    let left = Vector2::new(-chord.y, chord.x);
+    let moved = pose.translation.vector + chord * twist.x + left * twist.y;
+    Pose::from_parts(moved.into(), ahead.rotation)
 }
 
 /// `sin(x) / x` and `cos(x)`: by their power series for the small turns of a substep, which is several times faster.

@@ -1,72 +1,22 @@
-//! A vehicle with limits, driven by speed and yaw-rate commands.
+//! A vehicle with limits, driven by commands.
 
+mod actuation;
+mod body;
+mod drive;
+mod preset;
+mod spec;
+
+use rand::RngExt;
+use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
-use crate::check::{non_negative, positive, within};
-use crate::{FieldError, Footprint, Pose, Proximity, Shape, Twist, World, arc};
+use crate::{Footprint, Pose, Proximity, Twist, World};
+use body::{Body, Dynamics, Stretch};
 
-/// A differential-drive vehicle (unicycle) as data: outline, limits, control period.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct VehicleSpec {
-    /// The outline, around the middle of the axle; no point of it farther than 100 m from there.
-    pub footprint: Shape,
-    /// Highest forward speed, m/s; up to 100.
-    pub max_speed: f64,
-    /// Highest backward speed, m/s; up to 100, 0 for a vehicle that does not reverse.
-    pub max_reverse_speed: f64,
-    /// Highest yaw rate to either side, rad/s; up to 100.
-    pub max_yaw_rate: f64,
-    /// Highest change of speed, m/s^2, speeding up and braking; up to 10 000.
-    pub max_acceleration: f64,
-    /// Highest change of yaw rate, rad/s^2; up to 10 000.
-    pub max_yaw_acceleration: f64,
-    /// Time between two commands, seconds; from 0.001 to 10.
-    pub control_period: f64,
-    /// Integration steps per control period; from 1 to 1000.
-    pub n_substeps: usize,
-}
-
-impl Default for VehicleSpec {
-    fn default() -> Self {
-        Self {
-            footprint: Shape::Disc { radius: 0.25 },
-            max_speed: 1.5,
-            max_reverse_speed: 0.0,
-            max_yaw_rate: 1.5,
-            max_acceleration: 2.0,
-            max_yaw_acceleration: 6.0,
-            control_period: 0.2,
-            n_substeps: 4,
-        }
-    }
-}
-
-impl VehicleSpec {
-    /// Checks the numbers and builds the vehicle.
-    ///
-    /// # Errors
-    /// Names the field, its value and what is allowed.
-    pub fn build(&self) -> Result<Vehicle, FieldError> {
-        let footprint = Footprint::new(&self.footprint).map_err(|e| e.under("footprint"))?;
-        within("footprint (its circumradius)", footprint.circumradius(), 0.0, 100.0)?;
-        non_negative("max_reverse_speed", self.max_reverse_speed)?;
-        within("max_reverse_speed", self.max_reverse_speed, 0.0, 100.0)?;
-        for (field, limit, most) in [
-            ("max_speed", self.max_speed, 100.0),
-            ("max_yaw_rate", self.max_yaw_rate, 100.0),
-            ("max_acceleration", self.max_acceleration, 1e4),
-            ("max_yaw_acceleration", self.max_yaw_acceleration, 1e4),
-        ] {
-            positive(field, limit)?;
-            within(field, limit, 0.0, most)?;
-        }
-        within("control_period", self.control_period, 1e-3, 10.0)?;
-        within("n_substeps", self.n_substeps as f64, 1.0, 1000.0)?;
-        let substep = self.control_period / self.n_substeps as f64;
-        Ok(Vehicle { spec: self.clone(), substep, footprint })
-    }
-}
+pub use actuation::ActuationSpec;
+pub use drive::Drive;
+pub use preset::VehiclePreset;
+pub use spec::VehicleSpec;
 
 /// What a driver asks for: set-points that the vehicle approaches as fast as its limits allow.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -89,19 +39,25 @@ impl Command {
 }
 
 /// Where a vehicle is and how it moves.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct VehicleState {
     /// Position and yaw in the world.
     pub pose: Pose,
     /// Velocity in the body frame.
     pub twist: Twist,
+    /// Angle of the front wheels, radians, positive to the left; 0 without [`Drive::Ackermann`].
+    #[serde(default)]
+    pub steering: f64,
+    /// Commands on their way to the wheels, the oldest first; none without [`ActuationSpec::latency`].
+    #[serde(default)]
+    pub in_transit: Vec<Command>,
 }
 
 impl VehicleState {
     /// A vehicle that stands at `pose`.
     #[must_use]
     pub fn at_rest(pose: Pose) -> Self {
-        Self { pose, twist: Twist::zeros() }
+        Self { pose, twist: Twist::zeros(), steering: 0.0, in_transit: Vec::new() }
     }
 }
 
@@ -122,17 +78,15 @@ pub struct Motion {
 #[derive(Debug, Clone)]
 pub struct Vehicle {
     spec: VehicleSpec,
-    /// Seconds.
-    substep: f64,
+    dynamics: Dynamics,
     footprint: Footprint,
 }
 
-/// A stretch of constant speed and yaw rate.
+/// A command and for how many substeps it is in force.
 #[derive(Clone, Copy)]
-struct Stretch {
-    speed: f64,
-    yaw_rate: f64,
-    time: f64,
+struct Phase {
+    command: Command,
+    n_substeps: usize,
 }
 
 impl Vehicle {
@@ -153,26 +107,66 @@ impl Vehicle {
 
     /// Drives for one control period.
     ///
-    /// Speed and yaw rate approach the command linearly within the acceleration limits; each substep is
-    /// an exact arc at its mean speed and yaw rate. A collision anywhere on the way is found by advancing
+    /// Speed and yaw rate approach the command within the limits of the [`Drive`] and of the [`ActuationSpec`]; each substep
+    /// is an exact arc at its mean velocity. A collision anywhere on the way is found by advancing
     /// by no more than the clearance allows (conservative advancement, Mirtich 1996), so a fast vehicle
     /// does not pass through a thin obstacle; only corners cut by less than
     /// [`Self::CONTACT_TOLERANCE`] can be missed. After a step without collision the clearance is above 0.
     ///
-    /// A speed or yaw rate in the command that is infinite or not a number counts as 0, so that a driver
-    /// gone wrong brakes.
+    /// A number in the command that is infinite or not a number counts as 0, so that a driver gone wrong brakes.
     pub fn step(&self, world: &World, state: &mut VehicleState, command: Command) -> Motion {
-        let start = *state;
-        let target = self.target(command);
-        let (mut distance, mut reach, mut n_left) = (0.0, 0.0, self.spec.n_substeps);
-        while n_left > 0 {
-            let stretch = self.next_stretch(&mut state.twist, target, &mut n_left);
-            state.pose = arc(&state.pose, stretch.speed, stretch.yaw_rate, stretch.time);
-            distance += stretch.speed.abs() * stretch.time;
-            reach += self.point_speed(&stretch) * stretch.time;
+        let phases = self.phases(state, command);
+        self.drive(world, state, &phases, self.spec.control_period)
+    }
+
+    /// What actuators make of a command: its numbers times `1 + noise x` with a standard normal `x` for each, see
+    /// [`ActuationSpec::noise`]. No random number is drawn without noise.
+    #[must_use]
+    pub fn disturb(&self, command: Command, rng: &mut impl RngExt) -> Command {
+        let noise = self.spec.actuation.noise;
+        if noise == 0.0 {
+            return command;
         }
+        let mut factor = || {
+            let deviation: f64 = StandardNormal.sample(rng);
+            1.0 + noise * deviation
+        };
+        let Command { speed, yaw_rate, lateral_speed } = command;
+        let (speed, yaw_rate) = (speed * factor(), yaw_rate * factor());
+        Command { speed, yaw_rate, lateral_speed: if lateral_speed == 0.0 { 0.0 } else { lateral_speed * factor() } }
+    }
+
+    /// The commands in force over the period that begins when `command` is sent: with a latency first the one before it.
+    fn phases(&self, state: &mut VehicleState, command: Command) -> [Phase; 2] {
+        let n_substeps = self.spec.n_substeps;
+        let (n_whole, n_late) = self.dynamics.delay();
+        if n_whole == 0 && n_late == 0 {
+            return [Phase { command, n_substeps }, Phase { command, n_substeps: 0 }];
+        }
+        // Before the first command arrives, the vehicle was told to stand.
+        let n_before = n_whole + usize::from(n_late > 0);
+        state.in_transit.resize(n_before, Command::default());
+        state.in_transit.push(command);
+        let old = state.in_transit.remove(0);
+        let new = if n_late > 0 { state.in_transit[0] } else { old };
+        [Phase { command: old, n_substeps: n_late }, Phase { command: new, n_substeps: n_substeps - n_late }]
+    }
+
+    /// Drives through phases that take `duration` seconds together.
+    fn drive(&self, world: &World, state: &mut VehicleState, phases: &[Phase], duration: f64) -> Motion {
+        let start = Body::of(state);
+        let (mut body, mut distance, mut reach) = (start, 0.0, 0.0);
+        for phase in phases {
+            let (target, mut n_left) = (self.target(phase.command, &body), phase.n_substeps);
+            while n_left > 0 {
+                let stretch = self.dynamics.next_stretch(&self.spec, &mut body, target, &mut n_left);
+                body.pose = stretch.end(&body.pose, stretch.time);
+                distance += stretch.speed() * stretch.time;
+                reach += self.point_speed(&stretch) * stretch.time;
+            }
+        }
+        body.store(state);
         let proximity = world.proximity(&self.footprint, &state.pose);
-        let duration = self.spec.control_period;
         let unhurt = Motion { distance, duration, collided: false, proximity };
         // No point of the outline moved further than what was free around it before, and is now, together: wherever on the
         // way it was, the nearer of the two ends vouches for it. Most often what is free now is enough.
@@ -180,88 +174,72 @@ impl Vehicle {
         if free_now > reach || free_now > 0.0 && free_now + world.clearance(&self.footprint, &start.pose) > reach {
             return unhurt;
         }
-        self.first_contact(world, start, target, state).unwrap_or(unhurt)
+        self.first_contact(world, start, phases, state).unwrap_or(unhurt)
     }
 
-    /// The speed and yaw rate that a command makes the vehicle approach.
-    fn target(&self, command: Command) -> Command {
+    /// What a command makes the vehicle approach.
+    fn target(&self, command: Command, body: &Body) -> Twist {
         let spec = &self.spec;
         let finite = |number: f64| if number.is_finite() { number } else { 0.0 };
-        Command::new(
-            finite(command.speed).clamp(-spec.max_reverse_speed, spec.max_speed),
-            finite(command.yaw_rate).clamp(-spec.max_yaw_rate, spec.max_yaw_rate),
-        )
-    }
-
-    /// The next of the substeps that are left, at the mean speed and yaw rate over it; all of them in one once the target
-    /// is reached, since arcs of the same speed and yaw rate make one arc.
-    #[inline]
-    fn next_stretch(&self, twist: &mut Twist, target: Command, n_left: &mut usize) -> Stretch {
-        let spec = &self.spec;
-        let (speed, yaw_rate) = (twist.x, twist.z);
-        if speed == target.speed && yaw_rate == target.yaw_rate {
-            let n = std::mem::take(n_left);
-            return Stretch { speed, yaw_rate, time: n as f64 * self.substep };
-        }
-        *n_left -= 1;
-        twist.x = approach(speed, target.speed, spec.max_acceleration * self.substep);
-        twist.z = approach(yaw_rate, target.yaw_rate, spec.max_yaw_acceleration * self.substep);
-        Stretch { speed: (speed + twist.x) / 2.0, yaw_rate: (yaw_rate + twist.z) / 2.0, time: self.substep }
+        let speed = finite(command.speed).clamp(-spec.max_reverse_speed, spec.max_speed);
+        let yaw_rate = finite(command.yaw_rate).clamp(-spec.max_yaw_rate, spec.max_yaw_rate);
+        let most_lateral = spec.drive.max_lateral_speed();
+        let lateral = finite(command.lateral_speed).clamp(-most_lateral, most_lateral);
+        Twist::new(speed, lateral, spec.drive.turn_target(speed, yaw_rate, body.steering))
     }
 
     /// The highest speed of any point of the outline, m/s.
     fn point_speed(&self, stretch: &Stretch) -> f64 {
-        stretch.speed.abs() + stretch.yaw_rate.abs() * self.footprint.turning_radius()
+        stretch.speed() + stretch.twist.z.abs() * self.footprint.turning_radius()
     }
 
     /// Drives the period again from `start`, looking everywhere: the first touch, where `state` is left;
     /// `None` where there is none.
-    fn first_contact(
-        &self,
-        world: &World,
-        start: VehicleState,
-        target: Command,
-        state: &mut VehicleState,
-    ) -> Option<Motion> {
-        let (mut pose, mut twist) = (start.pose, start.twist);
-        let (mut distance, mut duration, mut n_left) = (0.0, 0.0, self.spec.n_substeps);
-        while n_left > 0 {
-            let stretch = self.next_stretch(&mut twist, target, &mut n_left);
-            let speed = self.point_speed(&stretch);
-            let mut time = 0.0;
-            loop {
-                let here = arc(&pose, stretch.speed, stretch.yaw_rate, time);
-                let proximity = world.proximity(&self.footprint, &here);
-                let room = proximity.clearance();
-                if room.is_nan() || room <= 0.0 {
-                    *state = VehicleState { pose: here, twist };
-                    distance += stretch.speed.abs() * time;
+    fn first_contact(&self, world: &World, start: Body, phases: &[Phase], state: &mut VehicleState) -> Option<Motion> {
+        let (mut body, mut distance, mut duration) = (start, 0.0, 0.0);
+        for phase in phases {
+            let (target, mut n_left) = (self.target(phase.command, &body), phase.n_substeps);
+            while n_left > 0 {
+                let stretch = self.dynamics.next_stretch(&self.spec, &mut body, target, &mut n_left);
+                if let Some((time, proximity)) = self.contact_within(world, &body.pose, &stretch) {
+                    body.pose = stretch.end(&body.pose, time);
+                    body.store(state);
+                    distance += stretch.speed() * time;
                     duration += time;
                     return Some(Motion { distance, duration, collided: true, proximity });
                 }
-                if time >= stretch.time {
-                    pose = here;
-                    break;
-                }
-                let next = time + room.max(Self::CONTACT_TOLERANCE) / speed;
-                // A step lost in rounding would be made for ever.
-                time = if next > time && next < stretch.time { next } else { stretch.time };
+                body.pose = stretch.end(&body.pose, stretch.time);
+                distance += stretch.speed() * stretch.time;
+                duration += stretch.time;
             }
-            distance += stretch.speed.abs() * stretch.time;
-            duration += stretch.time;
         }
         None
     }
-}
 
-fn approach(value: f64, target: f64, most: f64) -> f64 {
-    if (target - value).abs() <= most { target } else { value + most.copysign(target - value) }
+    /// When in a stretch that starts at `pose` something is touched first, seconds, and how near things are then.
+    fn contact_within(&self, world: &World, pose: &Pose, stretch: &Stretch) -> Option<(f64, Proximity)> {
+        let speed = self.point_speed(stretch);
+        let mut time = 0.0;
+        loop {
+            let proximity = world.proximity(&self.footprint, &stretch.end(pose, time));
+            let room = proximity.clearance();
+            if room.is_nan() || room <= 0.0 {
+                return Some((time, proximity));
+            }
+            if time >= stretch.time {
+                return None;
+            }
+            let next = time + room.max(Self::CONTACT_TOLERANCE) / speed;
+            // A step lost in rounding would be made for ever.
+            time = if next > time && next < stretch.time { next } else { stretch.time };
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Interval, Kinds, Room, RoomSpec, WorldSpec};
+    use crate::{Interval, Kinds, Room, RoomSpec, Shape, WorldSpec};
     use proptest::prelude::*;
 
     proptest! {
@@ -281,13 +259,14 @@ mod tests {
             let scenario = WorldSpec::Room(room).build(vehicle.footprint()).unwrap().scenario(seed, 0).unwrap();
             let (world, mut state) = (&scenario.world, VehicleState::at_rest(scenario.start));
             for (speed, yaw_rate) in commands {
-                let target = vehicle.target(Command::new(speed * max_speed, yaw_rate * 4.0));
-                let (start, mut looked) = (state, state);
-                let contact = vehicle.first_contact(world, start, target, &mut looked);
-                let motion = vehicle.step(world, &mut state, target);
+                let command = Command::new(speed * max_speed, yaw_rate * 4.0);
+                let (start, mut looked) = (Body::of(&state), state.clone());
+                let phases = vehicle.phases(&mut looked, command);
+                let contact = vehicle.first_contact(world, start, &phases, &mut looked);
+                let motion = vehicle.step(world, &mut state, command);
                 prop_assert_eq!(motion.collided, contact.is_some());
                 if let Some(contact) = contact {
-                    prop_assert_eq!((motion, state), (contact, looked));
+                    prop_assert_eq!((motion, &state), (contact, &looked));
                     break;
                 }
             }
@@ -303,11 +282,8 @@ mod tests {
         let spec = VehicleSpec { max_yaw_rate: yaw_rate, ..VehicleSpec::default() };
         let mut state = VehicleState::at_rest(Pose::translation(5.0, 5.0));
         state.twist.z = yaw_rate;
-        let motion = Vehicle { substep: spec.control_period / 4.0, spec, footprint }.step(
-            &world,
-            &mut state,
-            Command::new(0.0, yaw_rate),
-        );
+        let vehicle = Vehicle { dynamics: Dynamics::new(&spec), spec, footprint };
+        let motion = vehicle.step(&world, &mut state, Command::new(0.0, yaw_rate));
         assert_eq!(motion.duration, 0.2);
     }
 }

@@ -132,7 +132,7 @@ proptest! {
         let mut state = VehicleState::at_rest(scenario.start);
         for _ in 0..200 {
             let command = Command::new(rng.random_range(-3.0..3.0), rng.random_range(-3.0..3.0));
-            let before = state;
+            let before = state.clone();
             let motion = vehicle.step(&scenario.world, &mut state, command);
             prop_assert!((-spec.max_reverse_speed..=spec.max_speed).contains(&state.twist.x));
             prop_assert!(state.twist.z.abs() <= spec.max_yaw_rate);
