@@ -47,13 +47,13 @@ impl ActionSpec {
     pub fn build(&self, vehicle: &VehicleSpec, control: &Control, is_mirrored: bool) -> Result<ActionSet, FieldError> {
         let yaw_rates = self.yaw_rates();
         check_list("yaw_rates", yaw_rates, -vehicle.max_yaw_rate, vehicle.max_yaw_rate)?;
-        if matches!(control, Control::SpeedOnly(_)) && yaw_rates != [0.0] {
+        if matches!(control, Control::SpeedOnly { .. }) && yaw_rates != [0.0] {
             let allowed = "[0.0] under speed_only control, where pure pursuit steers";
             return Err(FieldError::new("yaw_rates", format!("{yaw_rates:?}"), allowed));
         }
         let slowest = match control {
             Control::Full {} => 0.0 - vehicle.max_reverse_speed,
-            Control::SpeedOnly(_) => 0.0, // pure pursuit drives forward
+            Control::SpeedOnly { .. } => 0.0, // pure pursuit drives forward
         };
         let speeds = match self {
             Self::SetPoints { speeds, .. } => {
@@ -185,7 +185,7 @@ mod tests {
             "yaw_rates = [0.0, 1.0]: must be symmetric, w and -w alike, because observation.mirror is on"
         );
         assert_eq!(refused(&set(&[], &[0.0]), Control::Full {}), "speeds = []: must be one number or more");
-        let speed_only = Control::SpeedOnly(Default::default());
+        let speed_only = Control::SpeedOnly { pursuit: Default::default() };
         assert!(refused(&set(&[1.0], &[-1.0, 1.0]), speed_only).contains("under speed_only control"));
     }
 }

@@ -1,62 +1,28 @@
-//! Observations: what is perceived, as the numbers that a network reads.
+//! From what is perceived to the numbers that a network reads.
 
 use headway_planning::Sensed;
 use headway_sensors::Lidar;
-use headway_sim::Vehicle;
 use headway_sim::nalgebra::Vector2;
-use serde::{Deserialize, Serialize};
+use headway_sim::{FieldError, Point, Vehicle};
 
-/// How observations are encoded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct ObservationSpec {
-    /// How a lidar range becomes a number.
-    pub encoding: ScanEncoding,
-    /// Whether scenes with the goal on the right are shown as in a mirror, so that it always lies on the
-    /// left; actions are mirrored back. Halves what there is to learn.
-    pub mirror: bool,
-}
+use crate::{History, ObservationSpec, ScanEncoding, Side};
 
-impl Default for ObservationSpec {
-    fn default() -> Self {
-        Self { encoding: ScanEncoding::Clearance, mirror: true }
-    }
-}
-
-/// How a range `r` in metres becomes a number in [0, 1].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ScanEncoding {
-    /// `r / max_range`.
-    Linear,
-    /// `1 - sqrt(r / max_range)`.
-    Root,
-    /// `0.25 / (c + 0.25)` with the clearance `c = max(0, r - e)`, where `e` is the footprint's extent
-    /// towards the beam: 1 at contact, half at 25 cm.
-    Clearance,
-}
-
-/// Whether an observation shows the scene as it is or as in a mirror.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub enum Side {
-    /// As it is.
-    #[default]
-    AsSeen,
-    /// Left and right exchanged.
-    Mirrored,
-}
-
-/// The checked encoding: a pure function from [`Sensed`] to `n_beams + 6` numbers.
+/// The checked encoding: a pure function from [`Sensed`] and a [`History`] to `n_ranges + 6` numbers or more, where `n_ranges`
+/// is the number of sectors, or of beams where there are no sectors.
 ///
 /// | entry | is | range |
 /// |---|---|---|
-/// | `0..n_beams` | the encoded ranges, right to left | [0, 1] |
-/// | `n_beams` | `d / (d + 3)` for the distance `d` to the goal in metres | [0, 1) |
+/// | `0..n_ranges` | the encoded ranges, right to left | [0, 1] |
+/// | `n_ranges` | `d / (d + 3)` for the distance `d` to the goal in metres | [0, 1) |
 /// | `+ 1` | cosine of the goal's bearing | [-1, 1] |
 /// | `+ 2` | sine of the goal's bearing, positive on the left | [-1, 1] |
 /// | `+ 3` | `min(d, 2) / 2` | [0, 1] |
 /// | `+ 4` | speed / highest speed | [-1, 1] |
 /// | `+ 5` | yaw rate / highest yaw rate, positive to the left | [-1, 1] |
+/// | one, for vehicles that move sideways | leftward speed / highest | [-1, 1] |
+/// | two for each of `look_ahead` | cosine and sine of the bearing of that point of the route, or of the straight line to the goal | [-1, 1] |
+/// | two for each of `trail` | `x / (1 + r)`, `y / (1 + r)` of the place `(x, y)` in the vehicle's frame, `r` metres away | (-1, 1) |
+/// | two for `last_command` | its speed and yaw rate, over the highest ones | [-1, 1] |
 #[derive(Debug, Clone)]
 pub struct Encoder {
     spec: ObservationSpec,
@@ -67,11 +33,12 @@ pub struct Encoder {
     is_full_turn: bool,
     max_speed: f64,
     max_yaw_rate: f64,
+    max_lateral_speed: f64,
+    /// Of each entry of the trail: how many control periods ago.
+    trail: Vec<usize>,
 }
 
 impl Encoder {
-    /// Entries behind the ranges.
-    const N_OTHERS: usize = 6;
     /// Distance at which half of the first distance entry is used up, metres.
     pub const FAR: f64 = 3.0;
     /// Distance from which on the second distance entry is 1, metres.
@@ -80,24 +47,38 @@ impl Encoder {
     pub const HALF_CLEARANCE: f32 = 0.25;
 
     /// The encoding of a lidar's scans on a vehicle.
-    #[must_use]
-    pub fn new(spec: ObservationSpec, lidar: &Lidar, vehicle: &Vehicle) -> Self {
+    ///
+    /// # Errors
+    /// Names the field of the observation that is not allowed.
+    pub fn new(spec: &ObservationSpec, lidar: &Lidar, vehicle: &Vehicle) -> Result<Self, FieldError> {
+        spec.check(lidar.beam_angles().len())?;
         let limits = vehicle.spec();
-        Self {
-            spec,
+        let periods = |time: &f64| (time / limits.control_period).round() as usize;
+        Ok(Self {
             min_range: lidar.spec().min_range as f32,
             max_range: lidar.spec().max_range as f32,
             extents: lidar.beam_angles().iter().map(|angle| vehicle.footprint().extent(*angle) as f32).collect(),
             is_full_turn: lidar.is_full_turn(),
             max_speed: limits.max_speed.max(limits.max_reverse_speed),
             max_yaw_rate: limits.max_yaw_rate,
-        }
+            max_lateral_speed: limits.drive.max_lateral_speed(),
+            trail: spec.trail.iter().map(periods).collect(),
+            spec: spec.clone(),
+        })
     }
 
     /// Numbers in an observation.
     #[must_use]
     pub fn obs_dim(&self) -> usize {
-        self.extents.len() + Self::N_OTHERS
+        let ObservationSpec { look_ahead, trail, last_command, .. } = &self.spec;
+        let n_pairs = look_ahead.len() + trail.len() + usize::from(*last_command);
+        self.n_ranges() + 6 + usize::from(self.max_lateral_speed > 0.0) + 2 * n_pairs
+    }
+
+    /// An empty memory, as long as this encoding needs it.
+    #[must_use]
+    pub fn history(&self) -> History {
+        History::new(self.trail.iter().copied().max().unwrap_or(0))
     }
 
     /// From which side a scene is shown.
@@ -112,20 +93,16 @@ impl Encoder {
     ///
     /// # Panics
     /// If `obs` or the scan has another length.
-    pub fn encode(&self, sensed: &Sensed<'_>, obs: &mut [f32]) -> Side {
-        let n_beams = self.extents.len();
-        assert_eq!(sensed.scan.len(), n_beams, "one range per beam");
+    pub fn encode(&self, sensed: &Sensed<'_>, history: &History, obs: &mut [f32]) -> Side {
+        assert_eq!(sensed.scan.len(), self.extents.len(), "one range per beam");
+        assert_eq!(obs.len(), self.obs_dim(), "as many numbers as an observation has");
         let to_goal = sensed.to_goal();
         let distance = to_goal.norm();
         // At the goal itself every bearing is right: straight ahead.
         let ahead = if distance > 0.0 { to_goal / distance } else { Vector2::x() };
         let side = self.side(sensed);
-        let (ranges, others) = obs.split_at_mut(n_beams);
-        self.encode_ranges(sensed.scan, ranges);
-        if side == Side::Mirrored {
-            // The first beam of a full turn looks straight behind, and is its own mirror image.
-            ranges[usize::from(self.is_full_turn)..].reverse();
-        }
+        let (ranges, others) = obs.split_at_mut(self.n_ranges());
+        self.encode_scan(sensed.scan, side, ranges);
         let left = if side == Side::Mirrored { -1.0 } else { 1.0 };
         let entries = [
             distance / (distance + Self::FAR),
@@ -135,24 +112,106 @@ impl Encoder {
             sensed.twist.x / self.max_speed,
             left * sensed.twist.z / self.max_yaw_rate,
         ];
-        others.copy_from_slice(&entries.map(|entry| entry as f32));
+        let (first, more) = others.split_at_mut(entries.len());
+        first.copy_from_slice(&entries.map(|entry| entry as f32));
+        if !more.is_empty() {
+            self.encode_more(sensed, history, left, more);
+        }
         side
     }
 
-    fn encode_ranges(&self, scan: &[f32], out: &mut [f32]) {
-        let seen = |range: f32| {
-            if range.is_finite() { range.clamp(self.min_range, self.max_range) } else { self.max_range }
-        };
-        let ranges = out.iter_mut().zip(scan).zip(&self.extents);
-        match self.spec.encoding {
-            ScanEncoding::Linear => ranges.for_each(|((out, range), _)| *out = seen(*range) / self.max_range),
-            ScanEncoding::Root => {
-                ranges.for_each(|((out, range), _)| *out = 1.0 - (seen(*range) / self.max_range).sqrt());
+    /// What only some observations hold, in its order.
+    fn encode_more(&self, sensed: &Sensed<'_>, history: &History, left: f64, out: &mut [f32]) {
+        let mut out = out.iter_mut();
+        let mut put = |number: f64| {
+            if let Some(place) = out.next() {
+                *place = number as f32;
             }
-            ScanEncoding::Clearance => ranges.for_each(|((out, range), extent)| {
-                let clearance = (seen(*range) - extent).max(0.0);
-                *out = Self::HALF_CLEARANCE / (clearance + Self::HALF_CLEARANCE);
-            }),
+        };
+        if self.max_lateral_speed > 0.0 {
+            put(left * sensed.twist.y / self.max_lateral_speed);
+        }
+        let here = Point::from(sensed.pose.translation.vector);
+        let seen = |point: &Point| sensed.pose.inverse_transform_point(point).coords;
+        for point in self.look_ahead(sensed, &here) {
+            let to = seen(&point).try_normalize(1e-9).unwrap_or(Vector2::x());
+            put(to.x);
+            put(left * to.y);
+        }
+        for n_periods in &self.trail {
+            let to = seen(&history.place(*n_periods, here));
+            let scale = 1.0 / (1.0 + to.norm());
+            put(scale * to.x);
+            put(scale * left * to.y);
+        }
+        if self.spec.last_command {
+            put(sensed.last_command.speed / self.max_speed);
+            put(left * sensed.last_command.yaw_rate / self.max_yaw_rate);
+        }
+    }
+
+    /// The points ahead on the route.
+    fn look_ahead(&self, sensed: &Sensed<'_>, here: &Point) -> Vec<Point> {
+        if self.spec.look_ahead.is_empty() {
+            return Vec::new();
+        }
+        let route = sensed.route_or_straight();
+        let along = route.project(here);
+        self.spec.look_ahead.iter().map(|ahead| route.at(along + ahead)).collect()
+    }
+
+    fn n_ranges(&self) -> usize {
+        if self.spec.n_sectors > 0 { self.spec.n_sectors } else { self.extents.len() }
+    }
+
+    /// Encodes the scan as shown from a side.
+    fn encode_scan(&self, scan: &[f32], side: Side, out: &mut [f32]) {
+        if self.spec.n_sectors > 0 {
+            return self.encode_sectors(scan, side, out);
+        }
+        let shown = out.iter_mut().zip(scan).zip(&self.extents);
+        shown.for_each(|((out, range), extent)| *out = self.number(self.seen(*range), *extent));
+        if side == Side::Mirrored {
+            // The first beam of a full turn looks straight behind, and is its own mirror image.
+            out[usize::from(self.is_full_turn)..].reverse();
+        }
+    }
+
+    /// The greatest number of each sector, which is that of its nearest return; under [`ScanEncoding::Linear`] the least.
+    fn encode_sectors(&self, scan: &[f32], side: Side, out: &mut [f32]) {
+        let (n, width) = (scan.len(), scan.len() / out.len());
+        let is_linear = self.spec.encoding == ScanEncoding::Linear;
+        for (sector, out) in out.iter_mut().enumerate() {
+            let mut nearest = if is_linear { f32::INFINITY } else { f32::NEG_INFINITY };
+            for shown in sector * width..(sector + 1) * width {
+                let beam = match side {
+                    Side::AsSeen => shown,
+                    Side::Mirrored if self.is_full_turn => (n - shown) % n,
+                    Side::Mirrored => n - 1 - shown,
+                };
+                let number = self.number(self.seen(scan[beam]), self.extents[beam]);
+                nearest = if is_linear { nearest.min(number) } else { nearest.max(number) };
+            }
+            *out = nearest;
+        }
+    }
+
+    /// A range as the lidar should have reported it.
+    #[inline]
+    fn seen(&self, range: f32) -> f32 {
+        if range.is_finite() { range.clamp(self.min_range, self.max_range) } else { self.max_range }
+    }
+
+    /// A range as a number.
+    #[inline]
+    fn number(&self, range: f32, extent: f32) -> f32 {
+        match self.spec.encoding {
+            ScanEncoding::Linear => range / self.max_range,
+            ScanEncoding::Root => 1.0 - (range / self.max_range).sqrt(),
+            ScanEncoding::Clearance => {
+                let clearance = (range - extent).max(0.0);
+                Self::HALF_CLEARANCE / (clearance + Self::HALF_CLEARANCE)
+            }
         }
     }
 }
@@ -160,14 +219,15 @@ impl Encoder {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use headway_planning::Route;
     use headway_sensors::LidarSpec;
-    use headway_sim::{Point, Pose, Twist, VehicleSpec};
+    use headway_sim::{Command, Drive, Pose, Twist, VehicleSpec};
 
     fn encoder(encoding: ScanEncoding, mirror: bool, field_of_view: f64) -> (Encoder, Lidar) {
         let lidar = LidarSpec { n_beams: 4, field_of_view, ..LidarSpec::default() }.build().unwrap();
-        let spec = ObservationSpec { encoding, mirror };
+        let spec = ObservationSpec { encoding, mirror, ..Default::default() };
         let vehicle = VehicleSpec::default().build().unwrap();
-        (Encoder::new(spec, &lidar, &vehicle), lidar)
+        (Encoder::new(&spec, &lidar, &vehicle).unwrap(), lidar)
     }
 
     fn encode(encoder: &(Encoder, Lidar), goal: Point) -> (Vec<f32>, Side) {
@@ -184,9 +244,10 @@ mod tests {
             twist: Twist::new(0.75, 0.0, -0.3),
             goal,
             route: None,
+            last_command: Command::default(),
         };
         let mut obs = vec![0.0; encoder.0.obs_dim()];
-        let side = encoder.0.encode(&sensed, &mut obs);
+        let side = encoder.0.encode(&sensed, &encoder.0.history(), &mut obs);
         (obs, side)
     }
 
@@ -236,5 +297,71 @@ mod tests {
         assert_eq!(side, Side::AsSeen);
         assert_close(&obs[..4], &[0.1, 0.2, 0.4, 0.8]);
         assert!((obs[6] + 0.8).abs() < 1e-6);
+    }
+
+    #[test]
+    fn sectors_show_their_nearest_return_from_either_side() {
+        let lidar = |field_of_view| LidarSpec { n_beams: 6, field_of_view, ..LidarSpec::default() }.build().unwrap();
+        let scan = [1.0, 2.0, 3.0, 0.5, 4.0, 5.0];
+        let numbers = |encoding, field_of_view, side| {
+            let spec = ObservationSpec { encoding, n_sectors: 3, ..Default::default() };
+            let vehicle = VehicleSpec::default().build().unwrap();
+            let mut out = [0.0; 3];
+            Encoder::new(&spec, &lidar(field_of_view), &vehicle).unwrap().encode_scan(&scan, side, &mut out);
+            out
+        };
+        let half = 3.0;
+        assert_close(&numbers(ScanEncoding::Linear, half, Side::AsSeen), &[0.2, 0.1, 0.8]);
+        assert_close(&numbers(ScanEncoding::Linear, half, Side::Mirrored), &[0.8, 0.1, 0.2]);
+        // c = r - 0.25: 0.25 / (c + 0.25) = 0.25 / r.
+        assert_close(&numbers(ScanEncoding::Clearance, half, Side::AsSeen), &[0.25, 0.5, 0.0625]);
+        // Of a full turn, the beam behind stays, and the others change places: 1, 5 | 4, 0.5 | 3, 2.
+        assert_close(&numbers(ScanEncoding::Linear, std::f64::consts::TAU, Side::Mirrored), &[0.2, 0.1, 0.4]);
+        let spec = ObservationSpec { n_sectors: 4, ..Default::default() };
+        let refused = Encoder::new(&spec, &lidar(half), &VehicleSpec::default().build().unwrap()).unwrap_err();
+        assert_eq!(refused.to_string(), "n_sectors = 4: must be 0 or a divisor of the 6 beams");
+    }
+
+    #[test]
+    fn routes_trails_commands_and_sideways_speed_by_hand() {
+        let drive = Drive::Omnidirectional { max_lateral_speed: 0.5 };
+        let vehicle = VehicleSpec { drive, ..VehicleSpec::default() };
+        let lidar = LidarSpec { n_beams: 1, ..LidarSpec::default() }.build().unwrap();
+        let spec = ObservationSpec {
+            look_ahead: vec![2.0],
+            trail: vec![0.2, 9.0],
+            last_command: true,
+            ..ObservationSpec::default()
+        };
+        let encoder = Encoder::new(&spec, &lidar, &vehicle.build().unwrap()).unwrap();
+        let mut history = encoder.history();
+        // From (0, -3) by (4, 0) to where it is now, the origin, facing +x.
+        for [x, y] in [[0.0, -3.0], [4.0, 0.0], [0.0, 0.0]] {
+            history.remember(&Pose::translation(x, y));
+        }
+        let route = Route::new(vec![Point::origin(), Point::new(0.0, -5.0)]);
+        let encode = |goal| {
+            let sensed = Sensed {
+                vehicle: &vehicle,
+                scan: &[5.0],
+                beam_angles: lidar.beam_angles(),
+                max_range: 5.0,
+                pose: Pose::identity(),
+                twist: Twist::new(0.0, 0.25, 0.0),
+                goal,
+                route: Some(&route),
+                last_command: Command::new(0.75, 0.3),
+            };
+            let mut obs = vec![0.0; encoder.obs_dim()];
+            encoder.encode(&sensed, &history, &mut obs);
+            obs
+        };
+        // Sideways speed, bearing of (0, -2), (4, 0) one period ago, (0, -3) as the oldest, the command.
+        let seen = [0.5, 0.0, -1.0, 0.8, 0.0, 0.0, -0.75, 0.5, 0.2];
+        assert_close(&encode(Point::new(3.0, 1.0))[7..], &seen);
+        let mirrored = [-0.5, 0.0, 1.0, 0.8, 0.0, 0.0, 0.75, 0.5, -0.2];
+        assert_close(&encode(Point::new(3.0, -1.0))[7..], &mirrored);
+        history.clear();
+        assert_eq!(history.place(3, Point::new(1.0, 2.0)), Point::new(1.0, 2.0));
     }
 }

@@ -16,7 +16,7 @@ pub enum EnvError {
     #[error(transparent)]
     Reward(#[from] RewardError),
     /// A goal that no route on the grid leads to.
-    #[error("no route from ({}, {}) to ({}, {}) on a grid of {cell} m: allow a smaller env.control.cell", from[0], from[1], goal[0], goal[1])]
+    #[error("no route from ({}, {}) to ({}, {}) on a grid of {cell} m: allow a smaller env.route.cell", from[0], from[1], goal[0], goal[1])]
     NoRoute {
         /// Where the route was to start, metres.
         from: [f64; 2],

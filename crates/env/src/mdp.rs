@@ -4,19 +4,21 @@ use std::sync::Arc;
 
 use headway_planning::{GridMap, Route, plan};
 use headway_reward::{Limits, Reward};
-use headway_sensors::{Lidar, ObstacleAngle};
-use headway_sim::check::positive;
+use headway_sensors::Lidar;
+use headway_sensors::ObstacleAngle;
 use headway_sim::{Point, Scenario, Vehicle, World, WorldSource};
 
-use crate::spec::RouteSpec;
-use crate::{ActionSet, Control, Encoder, EnvError, GoalHandling, NavSpec};
+use crate::randomize::Randomizer;
+use crate::robot::Robot;
+use crate::{ActionSet, Control, Encoder, EnvError, GoalHandling, NavSpec, RouteSource};
 
 /// A navigation MDP, checked once and shared by all who act in it.
 #[derive(Debug)]
 pub struct Mdp {
     pub(crate) source: WorldSource,
-    pub(crate) vehicle: Vehicle,
-    pub(crate) lidar: Lidar,
+    /// The one that drivers know; what drives differs from it where numbers are randomised.
+    pub(crate) robot: Arc<Robot>,
+    pub(crate) randomizer: Randomizer,
     pub(crate) obstacle_angle: ObstacleAngle,
     pub(crate) encoder: Encoder,
     pub(crate) actions: ActionSet,
@@ -24,7 +26,8 @@ pub struct Mdp {
     pub(crate) goal: GoalHandling,
     pub(crate) reach_radius: f64,
     pub(crate) n_max_steps: u32,
-    pub(crate) route: Option<RouteSpec>,
+    pub(crate) route: RouteSource,
+    pub(crate) control: Control,
     pub(crate) limits: Limits,
 }
 
@@ -35,24 +38,15 @@ impl NavSpec {
     /// Names the first field that is not allowed, with its table, or says what in the world cannot be
     /// placed.
     pub fn build(&self) -> Result<Arc<Mdp>, EnvError> {
-        let vehicle = self.vehicle.build().map_err(|e| e.under("vehicle"))?;
-        let lidar = self.lidar.build().map_err(|e| e.under("lidar"))?;
-        let source = self.world.build(vehicle.footprint())?;
+        let robot = Robot::build(&self.vehicle, &self.lidar, &self.odometry)?;
+        let source = self.world.build(robot.vehicle.footprint())?;
         let env = &self.env;
-        positive("env.reach_radius", env.reach_radius)?;
-        positive("env.time_limit", env.time_limit)?;
-        let mirror = env.observation.mirror;
-        let actions = env.actions.build(&self.vehicle, &env.control, mirror);
-        let route = match env.control {
-            Control::Full {} => None,
-            Control::SpeedOnly(route) => {
-                route.check().map_err(|e| e.under("env.control"))?;
-                Some(route)
-            }
-        };
+        env.check().map_err(|e| e.under("env"))?;
+        let encoder = Encoder::new(&env.observation, &robot.lidar, &robot.vehicle);
+        let actions = env.actions.build(&self.vehicle, &env.control, env.observation.mirror);
         self.reward.validate()?;
         Ok(Arc::new(Mdp {
-            encoder: Encoder::new(env.observation, &lidar, &vehicle),
+            encoder: encoder.map_err(|e| e.under("env.observation"))?,
             obstacle_angle: env.obstacle_angle.build().map_err(|e| e.under("env.obstacle_angle"))?,
             actions: actions.map_err(|e| e.under("env.actions"))?,
             reward: Arc::clone(&self.reward),
@@ -66,9 +60,10 @@ impl NavSpec {
                 max_yaw_acceleration: self.vehicle.max_yaw_acceleration,
             },
             source,
-            vehicle,
-            lidar,
-            route,
+            randomizer: Randomizer::new(self)?,
+            robot: Arc::new(robot),
+            route: env.route,
+            control: env.control,
         }))
     }
 }
@@ -89,13 +84,13 @@ impl Mdp {
     /// The vehicle that drives.
     #[must_use]
     pub fn vehicle(&self) -> &Vehicle {
-        &self.vehicle
+        &self.robot.vehicle
     }
 
     /// What the vehicle sees with.
     #[must_use]
     pub fn lidar(&self) -> &Lidar {
-        &self.lidar
+        &self.robot.lidar
     }
 
     /// How observations are encoded.
@@ -116,11 +111,11 @@ impl Mdp {
         self.reach_radius
     }
 
-    /// A route to drive, where the agent does not steer: the one that keeps the margin, or else half of it, or none.
+    /// A route over the true map, where there is to be one: the one that keeps the margin, or else half of it, or none.
     ///
     /// A scenario's ends are joined by a path with clearance; cells of a grid lie within 0.71 of their edge from it.
     pub(crate) fn plan_route(&self, world: &World, from: &Point, goal: &Point) -> Result<Option<Route>, EnvError> {
-        let Some(spec) = self.route else { return Ok(None) };
+        let RouteSource::TrueMap(spec) = self.route else { return Ok(None) };
         let clearances = [spec.margin, spec.margin / 2.0, 0.0, -0.71 * spec.cell].map(|m| (self.radius() + m).max(0.0));
         let route = clearances.iter().find_map(|clearance| shortest_route(world, from, goal, *clearance, spec.cell));
         route.map(Some).ok_or(EnvError::NoRoute { from: [from.x, from.y], goal: [goal.x, goal.y], cell: spec.cell })
@@ -144,8 +139,22 @@ impl Mdp {
         route.map_or((to - from).norm(), |route| route.length())
     }
 
+    /// What drives in scenario number `index` of a seed, and the numbers of it that were drawn.
+    pub(crate) fn draw_robot(&self, seed: u64, index: u64) -> Result<(Arc<Robot>, Vec<f64>), EnvError> {
+        let drawn = self.randomizer.draw(seed, index);
+        Ok((self.robot_of(&drawn)?, drawn))
+    }
+
+    /// What drives with numbers that were drawn.
+    pub(crate) fn robot_of(&self, drawn: &[f64]) -> Result<Arc<Robot>, EnvError> {
+        if self.randomizer.is_idle() {
+            return Ok(Arc::clone(&self.robot));
+        }
+        Ok(Arc::new(self.randomizer.build(drawn)?))
+    }
+
     fn radius(&self) -> f64 {
-        self.vehicle.footprint().circumradius()
+        self.robot.vehicle.footprint().circumradius()
     }
 }
 

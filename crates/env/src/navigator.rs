@@ -4,16 +4,20 @@ use std::sync::Arc;
 
 use headway_planning::{Route, Sensed};
 use headway_reward::{Event, State, Transition};
+use headway_sensors::Odometry;
 use headway_sim::{Command, Point, Proximity, Scenario, VehicleState, stream};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-use crate::{EnvError, GoalHandling, Mdp};
+use crate::robot::Robot;
+use crate::{Control, EnvError, GoalHandling, History, Mdp};
 
 /// One vehicle in one scenario of an MDP. It is not reset by itself.
 #[derive(Debug, Clone)]
 pub struct Navigator {
     mdp: Arc<Mdp>,
+    /// What drives in this episode.
+    robot: Arc<Robot>,
     pub(crate) state: NavigatorState,
 }
 
@@ -24,6 +28,10 @@ pub(crate) struct NavigatorState {
     goal: Point,
     route: Option<Route>,
     vehicle: VehicleState,
+    odometry: Odometry,
+    history: History,
+    /// The numbers of the robot that this episode drew.
+    drawn: Vec<f64>,
     before: Facts,
     after: Facts,
     command: Command,
@@ -33,6 +41,7 @@ pub(crate) struct NavigatorState {
     /// Steps since the start or the last goal.
     n_steps: u32,
     noise: ChaCha8Rng,
+    motion: ChaCha8Rng,
     goals: ChaCha8Rng,
 }
 
@@ -62,8 +71,9 @@ pub struct StepEnd {
 }
 
 impl Navigator {
-    /// A vehicle at rest at the start of scenario number `index` of a seed. Its layout, its sensors' noise
-    /// and its further goals have random streams of their own.
+    /// A vehicle at rest at the start of scenario number `index` of a seed. Its layout, its lidar's noise, the
+    /// errors of its motion and of its odometry, what it draws of its numbers, and its further goals have random streams of
+    /// their own.
     ///
     /// # Errors
     /// If the scenario cannot be made, or the agent does not steer and no route leads to the goal.
@@ -78,10 +88,13 @@ impl Navigator {
     /// # Errors
     /// If the agent does not steer and no route leads to the goal.
     pub fn in_scenario(mdp: Arc<Mdp>, scenario: Scenario, seed: u64, index: u64) -> Result<Self, EnvError> {
-        let facts = || Facts::new(mdp.lidar.beam_angles().len());
+        let facts = || Facts::new(mdp.robot.lidar.beam_angles().len());
+        let (robot, drawn) = mdp.draw_robot(seed, index)?;
         let route = mdp.route_of(&scenario)?;
-        let state = NavigatorState::at_start(scenario, route, seed, index, [facts(), facts()]);
-        let mut navigator = Self { mdp, state };
+        let history = mdp.encoder.history();
+        let state =
+            NavigatorState::at_start(&robot, scenario, route, [seed, index], drawn, history, [facts(), facts()]);
+        let mut navigator = Self { mdp, robot, state };
         navigator.look_from_start();
         Ok(navigator)
     }
@@ -93,15 +106,19 @@ impl Navigator {
     pub fn restart(&mut self, seed: u64, index: u64) -> Result<(), EnvError> {
         let scenario = self.mdp.source.scenario(seed, index)?;
         let route = self.mdp.route_of(&scenario)?;
+        let (robot, drawn) = self.mdp.draw_robot(seed, index)?;
         let facts = [&mut self.state.before, &mut self.state.after].map(Facts::take);
-        self.state = NavigatorState::at_start(scenario, route, seed, index, facts);
+        let mut history = std::mem::take(&mut self.state.history);
+        history.clear();
+        self.state = NavigatorState::at_start(&robot, scenario, route, [seed, index], drawn, history, facts);
+        self.robot = robot;
         self.look_from_start();
         Ok(())
     }
 
     /// The first look, which stands for the state before the first step too.
     fn look_from_start(&mut self) {
-        let footprint = self.mdp.vehicle.footprint();
+        let footprint = self.robot.vehicle.footprint();
         let proximity = self.state.scenario.world.proximity(footprint, &self.state.vehicle.pose);
         self.look(&proximity);
         self.state.before.clone_from(&self.state.after);
@@ -117,9 +134,9 @@ impl Navigator {
     pub fn act(&mut self, action: u32) -> Result<StepEnd, EnvError> {
         let speed = self.state.vehicle.twist.x;
         let mut command = self.mdp.actions.command(action, speed, self.mdp.encoder.side(&self.sensed()));
-        if let Some(spec) = self.mdp.route {
+        if let Control::SpeedOnly { pursuit } = &self.mdp.control {
             let sensed = self.sensed();
-            command = spec.pursuit.follow(&sensed.route_or_straight(), &sensed.pose, command.speed);
+            command = pursuit.follow(&sensed.route_or_straight(), &sensed.pose, command.speed);
         }
         self.drive(command)
     }
@@ -131,11 +148,15 @@ impl Navigator {
     pub fn drive(&mut self, command: Command) -> Result<StepEnd, EnvError> {
         if self.state.n_steps == 0 {
             // The last step's `after` still shows the goal of that step; a new one may be in force since.
-            (self.state.after.goal_distance, self.state.after.goal_bearing) = self.sensed().goal_polar();
+            (self.state.after.goal_distance, self.state.after.goal_bearing) = self.state.goal_polar();
         }
-        let state = &mut self.state;
+        let (state, vehicle) = (&mut self.state, &self.robot.vehicle);
         std::mem::swap(&mut state.before, &mut state.after);
-        let motion = self.mdp.vehicle.step(&state.scenario.world, &mut state.vehicle, command);
+        let from = state.vehicle.pose;
+        let done = vehicle.disturb(command, &mut state.motion);
+        let motion = vehicle.step(&state.scenario.world, &mut state.vehicle, done);
+        let VehicleState { pose, twist, .. } = &state.vehicle;
+        state.odometry.advance(&from, pose, *twist, motion.duration, &mut state.motion);
         state.command = command;
         state.distance = motion.distance;
         state.duration = motion.duration;
@@ -157,7 +178,7 @@ impl Navigator {
         let terminated = self.state.event.is_some() && !drives_on;
         if drives_on {
             let here = self.state.vehicle.pose.translation.vector.into();
-            let footprint = self.mdp.vehicle.footprint();
+            let footprint = self.robot.vehicle.footprint();
             let goal = self.state.scenario.new_goal(&here, footprint, &mut self.state.goals);
             self.state.goal = goal;
             self.state.route = self.mdp.plan_route(&self.state.scenario.world, &here, &goal)?;
@@ -170,34 +191,35 @@ impl Navigator {
     /// Perceives the world from where the vehicle is now, into `after`.
     fn look(&mut self, proximity: &Proximity) {
         let (mdp, state) = (&self.mdp, &mut self.state);
-        let VehicleState { pose, twist } = state.vehicle;
+        let VehicleState { pose, twist, .. } = state.vehicle;
         let world = &state.scenario.world;
-        mdp.lidar.scan(world, &pose, &mut state.noise, &mut state.after.scan);
+        self.robot.lidar.scan(world, &pose, &mut state.noise, &mut state.after.scan);
         state.after.speed = twist.x;
         state.after.yaw_rate = twist.z;
         state.after.clearance = proximity.clearance();
         state.after.obstacle_angle = mdp.obstacle_angle.measure(world, &pose, &twist, proximity);
-        let (goal_distance, goal_bearing) = self.sensed().goal_polar();
-        (self.state.after.goal_distance, self.state.after.goal_bearing) = (goal_distance, goal_bearing);
+        (state.after.goal_distance, state.after.goal_bearing) = state.goal_polar();
+        state.history.remember(&state.odometry.pose());
     }
 
     /// Encodes the present observation, shape `[obs_dim]`.
     pub fn observe(&self, obs: &mut [f32]) {
-        self.mdp.encoder.encode(&self.sensed(), obs);
+        self.mdp.encoder.encode(&self.sensed(), &self.state.history, obs);
     }
 
     /// What the vehicle perceives now.
     #[must_use]
     pub fn sensed(&self) -> Sensed<'_> {
         Sensed {
-            vehicle: self.mdp.vehicle.spec(),
+            vehicle: self.mdp.robot.vehicle.spec(),
             scan: &self.state.after.scan,
-            beam_angles: self.mdp.lidar.beam_angles(),
-            max_range: self.mdp.lidar.spec().max_range,
-            pose: self.state.vehicle.pose,
-            twist: self.state.vehicle.twist,
+            beam_angles: self.mdp.robot.lidar.beam_angles(),
+            max_range: self.mdp.robot.lidar.spec().max_range,
+            pose: self.state.odometry.pose(),
+            twist: self.state.odometry.twist(),
             goal: self.state.goal,
             route: self.state.route.as_ref(),
+            last_command: self.state.command,
         }
     }
 
@@ -205,13 +227,13 @@ impl Navigator {
     /// the start.
     #[must_use]
     pub fn transition(&self) -> Transition<'_> {
-        let angles = self.mdp.lidar.beam_angles();
+        let angles = self.mdp.robot.lidar.beam_angles();
         Transition {
             before: self.state.before.as_state(angles),
             after: self.state.after.as_state(angles),
             command_speed: self.state.command.speed,
             command_yaw_rate: self.state.command.yaw_rate,
-            dt: self.mdp.vehicle.spec().control_period,
+            dt: self.mdp.robot.vehicle.spec().control_period,
             event: self.state.event,
             limits: self.mdp.limits,
         }
@@ -235,15 +257,21 @@ impl Navigator {
         &self.state.scenario
     }
 
+    /// The numbers that this episode drew, by their dotted paths.
+    pub fn drawn(&self) -> impl Iterator<Item = (String, f64)> {
+        self.mdp.randomizer.paths().zip(self.state.drawn.iter().copied())
+    }
+
     /// A navigator that goes on from a saved state.
     pub(crate) fn with_state(mdp: Arc<Mdp>, state: NavigatorState) -> Result<Self, EnvError> {
-        let expected = mdp.lidar.beam_angles().len();
+        let expected = mdp.robot.lidar.beam_angles().len();
         for found in [state.before.scan.len(), state.after.scan.len()] {
             if found != expected {
                 return Err(EnvError::StateMismatch { what: "beams a scan", found, expected });
             }
         }
-        Ok(Self { mdp, state })
+        let robot = mdp.robot_of(&state.drawn)?;
+        Ok(Self { mdp, robot, state })
     }
 
     /// Length of the path driven in the last step, metres.
@@ -260,12 +288,24 @@ impl Navigator {
 }
 
 impl NavigatorState {
-    /// At rest at the start, before the first look.
-    fn at_start(scenario: Scenario, route: Option<Route>, seed: u64, index: u64, [before, after]: [Facts; 2]) -> Self {
+    /// At rest at the start of scenario number `index` of a seed, before the first look.
+    fn at_start(
+        robot: &Robot,
+        scenario: Scenario,
+        route: Option<Route>,
+        [seed, index]: [u64; 2],
+        drawn: Vec<f64>,
+        history: History,
+        [before, after]: [Facts; 2],
+    ) -> Self {
+        let mut motion = stream(seed, "motion", index);
         Self {
             goal: scenario.goal,
             route,
             vehicle: VehicleState::at_rest(scenario.start),
+            odometry: Odometry::new(&robot.odometry, scenario.start, &mut motion),
+            history,
+            drawn,
             scenario,
             before,
             after,
@@ -275,8 +315,15 @@ impl NavigatorState {
             duration: 0.0,
             n_steps: 0,
             noise: stream(seed, "noise", index),
+            motion,
             goals: stream(seed, "goals", index),
         }
+    }
+
+    /// Distance to the goal, metres, and its bearing in the vehicle's frame, radians, from where the vehicle really is.
+    fn goal_polar(&self) -> (f64, f64) {
+        let to_goal = self.vehicle.pose.inverse_transform_point(&self.goal).coords;
+        (to_goal.norm(), to_goal.y.atan2(to_goal.x))
     }
 }
 

@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use headway_planning::PurePursuit;
 use headway_reward::Reward;
-use headway_sensors::{LidarSpec, ObstacleAngleSpec};
-use headway_sim::check::{non_negative, within};
-use headway_sim::{FieldError, VehicleSpec, WorldSpec};
+use headway_sensors::{LidarSpec, ObstacleAngleSpec, OdometrySpec};
+use headway_sim::FieldError;
+use headway_sim::check::{non_negative, positive, within};
+use headway_sim::{VehicleSpec, WorldSpec};
 use serde::{Deserialize, Serialize};
 
-use crate::{ActionSpec, ObservationSpec};
+use crate::{ActionSpec, ObservationSpec, RandomizeSpec};
 
 /// A whole navigation MDP as data: one field per table of a spec file.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -21,6 +22,10 @@ pub struct NavSpec {
     pub vehicle: VehicleSpec,
     /// What it sees with.
     pub lidar: LidarSpec,
+    /// How it knows its own motion.
+    pub odometry: OdometrySpec,
+    /// Which of these numbers differ from episode to episode.
+    pub randomize: RandomizeSpec,
     /// The rules.
     pub env: EnvSpec,
     /// What it is paid.
@@ -34,6 +39,8 @@ impl Default for NavSpec {
             world: WorldSpec::default(),
             vehicle: VehicleSpec::default(),
             lidar: LidarSpec::default(),
+            odometry: OdometrySpec::default(),
+            randomize: RandomizeSpec::default(),
             env: EnvSpec::default(),
             reward: Arc::new(headway_reward::R::default()),
         }
@@ -51,6 +58,8 @@ pub struct EnvSpec {
     pub reach_radius: f64,
     /// Time from the start, or from the last goal, after which the episode is cut, seconds.
     pub time_limit: f64,
+    /// The route to the goal that drivers are shown.
+    pub route: RouteSource,
     /// What the agent controls.
     pub control: Control,
     /// What it can choose from.
@@ -67,6 +76,7 @@ impl Default for EnvSpec {
             goal: GoalHandling::Terminate,
             reach_radius: 0.5,
             time_limit: 60.0,
+            route: RouteSource::default(),
             control: Control::default(),
             actions: ActionSpec::default(),
             observation: ObservationSpec::default(),
@@ -93,26 +103,60 @@ pub enum GoalHandling {
 pub enum Control {
     /// Speed and yaw rate.
     Full {},
-    /// The speed alone: pure pursuit steers along a route planned over the true map.
-    SpeedOnly(RouteSpec),
+    /// The speed alone: pure pursuit steers along the route.
+    SpeedOnly {
+        /// How the route is followed.
+        #[serde(default)]
+        pursuit: PurePursuit,
+    },
 }
 
-/// How routes are planned and followed.
+/// Where the route to the goal comes from that drivers are shown.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
+pub enum RouteSource {
+    /// There is none.
+    None {},
+    /// Planned once over the true map, from the start or the last goal.
+    TrueMap(TrueMapSpec),
+}
+
+impl Default for RouteSource {
+    fn default() -> Self {
+        Self::None {}
+    }
+}
+
+impl RouteSource {
+    fn check(&self) -> Result<(), FieldError> {
+        match self {
+            Self::None {} => Ok(()),
+            Self::TrueMap(spec) => spec.check(),
+        }
+    }
+}
+
+/// How routes are planned over the true map.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct RouteSpec {
+pub struct TrueMapSpec {
     /// Edge of a cell of the map, metres, from 0.02 to 0.5.
     pub cell: f64,
     /// Distance that the route keeps from surfaces beyond the footprint's circumradius, metres. Where no route keeps it all
     /// the way, half of it, then none.
     pub margin: f64,
-    /// How the route is followed.
-    pub pursuit: PurePursuit,
 }
 
-impl Default for RouteSpec {
+impl Default for TrueMapSpec {
     fn default() -> Self {
-        Self { cell: 0.1, margin: 0.15, pursuit: PurePursuit::default() }
+        Self { cell: 0.1, margin: 0.15 }
+    }
+}
+
+impl TrueMapSpec {
+    fn check(&self) -> Result<(), FieldError> {
+        within("cell", self.cell, 0.02, 0.5)?;
+        non_negative("margin", self.margin)
     }
 }
 
@@ -122,14 +166,38 @@ impl Default for Control {
     }
 }
 
-impl RouteSpec {
+impl Control {
     /// Checks the numbers.
     ///
     /// # Errors
     /// Names the field that is not allowed.
     pub fn check(&self) -> Result<(), FieldError> {
-        within("cell", self.cell, 0.02, 0.5)?;
-        non_negative("margin", self.margin)?;
-        self.pursuit.check().map_err(|e| e.under("pursuit"))
+        match self {
+            Self::Full {} => Ok(()),
+            Self::SpeedOnly { pursuit } => pursuit.check().map_err(|e| e.under("pursuit")),
+        }
+    }
+}
+
+impl EnvSpec {
+    /// Checks all but the actions and the observation, which depend on the vehicle and its lidar.
+    pub(crate) fn check(&self) -> Result<(), FieldError> {
+        positive("reach_radius", self.reach_radius)?;
+        positive("time_limit", self.time_limit)?;
+        self.control.check().map_err(|e| e.under("control"))?;
+        self.route.check().map_err(|e| e.under("route"))?;
+        if self.route != (RouteSource::None {}) {
+            return Ok(());
+        }
+        let needs = |field: &str, value: &str| {
+            Err(FieldError::new(field, value, "used with a route: set `route`, to `true_map` for example"))
+        };
+        if let Control::SpeedOnly { .. } = self.control {
+            return needs("control", "speed_only");
+        }
+        match &self.observation.look_ahead[..] {
+            [] => Ok(()),
+            points => needs("observation.look_ahead", &format!("{points:?}")),
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use headway_env::{ActionSpec, Control, EnvSpec, Event, GoalHandling, Mdp, NavSpec, Navigator, StepEnd};
+use headway_env::{ActionSpec, Control, EnvSpec, Event, GoalHandling, Mdp, NavSpec, Navigator, RouteSource, StepEnd};
 use headway_sim::{Command, GoalRule, Obstacle, Point, Pose, Room, Scenario, Shape, World};
 
 const STRAIGHT: Command = Command::new(1.0, 0.0);
@@ -133,7 +133,8 @@ fn under_new_goal_a_collision_still_terminates() {
 #[test]
 fn speed_only_control_steers_round_what_is_in_the_way() {
     let env = EnvSpec {
-        control: Control::SpeedOnly(Default::default()),
+        control: Control::SpeedOnly { pursuit: Default::default() },
+        route: RouteSource::TrueMap(Default::default()),
         actions: ActionSpec::SetPoints { speeds: vec![0.3, 0.8, 1.5], yaw_rates: vec![0.0] },
         ..EnvSpec::default()
     };

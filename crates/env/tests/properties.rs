@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use headway_env::{
-    ActionSpec, Control, Env, EnvSpec, GoalHandling, NavEnv, NavSpec, Navigator, ObservationSpec, RouteSpec, Step,
+    ActionSpec, Env, EnvSpec, GoalHandling, NavEnv, NavSpec, Navigator, ObservationSpec, RouteSource, Step, TrueMapSpec,
 };
 use headway_reward::{Heading, Progress, Proximity, RCouple, Sum};
 use headway_sensors::LidarSpec;
@@ -207,10 +207,10 @@ fn a_failed_restart_leaves_all_as_it_was() {
         start_goal_distance: 2.0,
         start_goal_clearance: 0.02,
     };
-    let route = RouteSpec { cell: 0.5, ..RouteSpec::default() };
+    let route = RouteSource::TrueMap(TrueMapSpec { cell: 0.5, ..Default::default() });
     let vehicle = VehicleSpec { footprint: Shape::Disc { radius: 0.02 }, ..VehicleSpec::default() };
     let actions = ActionSpec::SetPoints { speeds: vec![0.5, 1.0], yaw_rates: vec![0.0] };
-    let env = EnvSpec { control: Control::SpeedOnly(route), actions, ..EnvSpec::default() };
+    let env = EnvSpec { route, actions, ..EnvSpec::default() };
     let mdp = NavSpec { world: WorldSpec::Room(room), vehicle, env, ..NavSpec::default() }.build().unwrap();
     let mut navigator = (0..).find_map(|index| Navigator::new(Arc::clone(&mdp), 1, index).ok()).unwrap();
     let mut before = vec![0.0; mdp.obs_dim()];

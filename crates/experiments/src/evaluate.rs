@@ -184,5 +184,6 @@ pub(crate) fn adapt(env: &mut EnvSpec, policy: &Policy) {
     let header = policy.header();
     env.control = header.control;
     env.actions = header.actions.clone();
-    env.observation = header.observation;
+    env.observation = header.observation.clone();
+    env.route = header.route;
 }

@@ -45,6 +45,8 @@ pub(crate) struct TrainTables<'a> {
     world: &'a headway_sim::WorldSpec,
     vehicle: &'a headway_sim::VehicleSpec,
     lidar: &'a headway_sensors::LidarSpec,
+    odometry: &'a headway_sensors::OdometrySpec,
+    randomize: &'a headway_env::RandomizeSpec,
     env: &'a headway_env::EnvSpec,
     reward: &'a dyn headway_reward::Reward,
     agent: &'a headway_rl::DqnSpec,
@@ -53,8 +55,8 @@ pub(crate) struct TrainTables<'a> {
 
 impl<'a> TrainTables<'a> {
     pub(crate) fn of(spec: &'a RunSpec) -> Self {
-        let RunSpec { world, vehicle, lidar, env, reward, agent, train, evaluate: _ } = spec;
-        Self { world, vehicle, lidar, env, reward: &**reward, agent, train }
+        let RunSpec { world, vehicle, lidar, odometry, randomize, env, reward, agent, train, evaluate: _ } = spec;
+        Self { world, vehicle, lidar, odometry, randomize, env, reward: &**reward, agent, train }
     }
 }
 

@@ -190,7 +190,8 @@ impl<'a> Training<'a> {
             lidar: self.spec.lidar.clone(),
             control: self.spec.env.control,
             actions: self.spec.env.actions.clone(),
-            observation: self.spec.env.observation,
+            observation: self.spec.env.observation.clone(),
+            route: self.spec.env.route,
             normalisation: Normalisation::default(),
             provenance: BTreeMap::from([
                 ("code_revision".to_owned(), CODE_REVISION.to_owned()),

@@ -26,6 +26,8 @@ pub struct Sensed<'a> {
     pub goal: Point,
     /// The planned route to the goal, where there is one.
     pub route: Option<&'a Route>,
+    /// The command sent a control period ago; none is a standing vehicle's.
+    pub last_command: Command,
 }
 
 impl Sensed<'_> {

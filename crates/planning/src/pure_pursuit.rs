@@ -115,6 +115,7 @@ mod tests {
                 twist: state.twist,
                 goal: Point::new(3.0, 14.0),
                 route: Some(&route),
+                last_command: headway_sim::Command::default(),
             };
             vehicle.step(&world, &mut state, driver.command(&sensed));
         }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use headway_env::{ActionSet, Control, Encoder};
+use headway_env::{ActionSet, Control, Encoder, History};
 use headway_planning::{Controller, Sensed};
 use headway_sensors::LidarSpec;
 use headway_sim::{Command, VehicleSpec};
@@ -12,8 +12,9 @@ use crate::{Policy, PolicyError};
 
 /// A policy as a [`Controller`]: takes the action of greatest value.
 ///
-/// Under [`Control::SpeedOnly`] it steers along [`Sensed::route`], as in training. Where there is none, it steers
-/// along the straight line to the goal, whatever stands there: whoever drives by such a policy plans the route.
+/// Under [`Control::SpeedOnly`] it steers along [`Sensed::route`], as in training; under an observation that looks ahead it is
+/// shown that route. Where there is none, both take the straight line to the goal, whatever stands there: whoever drives by
+/// such a policy plans the route.
 ///
 /// [`Controller::command`] panics if a scan has another number of ranges than the lidar has beams.
 #[derive(Debug, Clone)]
@@ -21,6 +22,7 @@ pub struct Driver {
     policy: Arc<Policy>,
     encoder: Encoder,
     actions: ActionSet,
+    history: History,
     obs: Vec<f32>,
     buffers: [Vec<f32>; 2],
 }
@@ -34,7 +36,8 @@ impl Driver {
         policy.check(vehicle, lidar)?;
         let (encoder, actions) = policy.header().build()?;
         let obs = vec![0.0; encoder.obs_dim()];
-        Ok(Self { policy, encoder, actions, obs, buffers: Default::default() })
+        let history = encoder.history();
+        Ok(Self { policy, encoder, actions, history, obs, buffers: Default::default() })
     }
 
     /// The action of greatest value for an observation, shape `[obs_dim]`; the first of several.
@@ -48,7 +51,9 @@ impl Driver {
 }
 
 impl Controller for Driver {
-    fn reset(&mut self) {}
+    fn reset(&mut self) {
+        self.history.clear();
+    }
 
     /// What the action of greatest value asks for.
     ///
@@ -56,13 +61,14 @@ impl Controller for Driver {
     /// If `sensed.scan` does not hold one range per beam of the lidar that the driver was made for.
     fn command(&mut self, sensed: &Sensed<'_>) -> Command {
         let mut obs = std::mem::take(&mut self.obs);
-        let side = self.encoder.encode(sensed, &mut obs);
+        self.history.remember(&sensed.pose);
+        let side = self.encoder.encode(sensed, &self.history, &mut obs);
         let action = self.act(&obs);
         self.obs = obs;
         let command = self.actions.command(action, sensed.twist.x, side);
         match &self.policy.header().control {
             Control::Full {} => command,
-            Control::SpeedOnly(spec) => spec.pursuit.follow(&sensed.route_or_straight(), &sensed.pose, command.speed),
+            Control::SpeedOnly { pursuit } => pursuit.follow(&sensed.route_or_straight(), &sensed.pose, command.speed),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use headway_env::{ActionSet, ActionSpec, Control, Encoder, ObservationSpec};
+use headway_env::{ActionSet, ActionSpec, Control, Encoder, ObservationSpec, RouteSource};
 use headway_sensors::LidarSpec;
 use headway_sim::VehicleSpec;
 use serde::{Deserialize, Serialize};
@@ -18,6 +18,8 @@ pub struct Header {
     pub vehicle: VehicleSpec,
     /// The lidar it was trained with.
     pub lidar: LidarSpec,
+    /// The route that it is shown, if any.
+    pub route: RouteSource,
     /// What it controls.
     pub control: Control,
     /// What its outputs mean.
@@ -32,7 +34,7 @@ pub struct Header {
 
 impl Header {
     /// Numbers that a simulation has and a robot has not, or that a policy need not match.
-    const FREE: [&'static str; 3] = ["/vehicle/n_substeps", "/lidar/noise", "/lidar/dropout"];
+    const FREE: [&'static str; 4] = ["/vehicle/n_substeps", "/vehicle/actuation", "/lidar/noise", "/lidar/dropout"];
 
     /// Numbers in an observation: inputs of the network.
     ///
@@ -47,10 +49,8 @@ impl Header {
         self.normalisation.check().map_err(|e| e.under("normalisation"))?;
         let vehicle = self.vehicle.build().map_err(|e| e.under("vehicle"))?;
         let lidar = self.lidar.build().map_err(|e| e.under("lidar"))?;
-        if let Control::SpeedOnly(route) = &self.control {
-            route.check().map_err(|e| e.under("control"))?;
-        }
-        let encoder = Encoder::new(self.observation, &lidar, &vehicle);
+        self.control.check().map_err(|e| e.under("control"))?;
+        let encoder = Encoder::new(&self.observation, &lidar, &vehicle).map_err(|e| e.under("observation"))?;
         let actions = self.actions.build(&self.vehicle, &self.control, self.observation.mirror);
         Ok((encoder, actions.map_err(|e| e.under("actions"))?))
     }

@@ -22,6 +22,8 @@ mod beams;
 mod kernel;
 mod lidar;
 mod obstacle_angle;
+mod odometry;
 
 pub use lidar::{Lidar, LidarSpec, beam_angles};
 pub use obstacle_angle::{ObstacleAngle, ObstacleAngleSpec, direction_of_motion};
+pub use odometry::{Odometry, OdometrySpec};

@@ -22,11 +22,14 @@ pub(crate) fn merge(base: &mut Table, over: Table) {
 /// Keys of which a table holds one: `obstacles = { count = 12 }` or `{ density = 0.1 }`.
 const ALTERNATIVES: [&str; 2] = ["count", "density"];
 
-/// Whether `new` is another kind of thing than `old`: it names another `type`, or another alternative.
+/// Whether `new` is another kind of thing than `old`: it names another `type`, a `preset`, or another alternative.
 pub(crate) fn chooses_anew(old: &Table, new: &Table) -> bool {
     let alternative = |table: &Table| ALTERNATIVES.into_iter().find(|key| table.contains_key(*key));
     let changes_type = new.contains_key("type") && new.get("type") != old.get("type");
-    changes_type || matches!((alternative(old), alternative(new)), (Some(old), Some(new)) if old != new)
+    // A preset says all that the table leaves out.
+    changes_type
+        || new.contains_key("preset")
+        || matches!((alternative(old), alternative(new)), (Some(old), Some(new)) if old != new)
 }
 
 #[cfg(test)]
@@ -51,6 +54,7 @@ mod tests {
         ("n = { count = 3 }", "n = { density = 0.1 }", "n = { density = 0.1 }"),
         ("n = { first = 1, count = 3 }", "n = { count = 4 }", "n = { first = 1, count = 4 }"),
         ("t = 1", "t = { a = 1 }", "t = { a = 1 }"),
+        ("v = { a = 1, b = 2 }", "v = { preset = 'p', b = 3 }", "v = { preset = 'p', b = 3 }"),
     ];
 
     #[test]

@@ -73,6 +73,8 @@ impl<T: Serialize + DeserializeOwned + Default> Resolved<T> {
 
     /// Replaces the value at `path`, which must exist.
     ///
+    /// A `preset` stands for a table of that preset.
+    ///
     /// A table without a `type`, put where a table is, stands for its entries: `agent = { target = "dqn" }` sets
     /// `agent.target` and leaves the rest of `agent` as it is. Another `type` alone stands for a table of that type with its
     /// defaults: the keys of one type mean nothing to another.
@@ -94,11 +96,14 @@ impl<T: Serialize + DeserializeOwned + Default> Resolved<T> {
 
     fn stands_for_its_entries(&self, path: &KeyPath, entries: &Table) -> bool {
         let old = path::get(&self.tree, path).and_then(Value::as_table);
-        old.is_some_and(|old| !entries.contains_key("type") && !chooses_anew(old, entries))
+        // The keys of `randomize` are paths themselves.
+        path.last() != "randomize"
+            && old.is_some_and(|old| !entries.contains_key("type") && !chooses_anew(old, entries))
     }
 
     fn is_another_type(&self, path: &KeyPath, value: &Value) -> bool {
-        path.last() == "type" && path::get(&self.tree, path).is_some_and(|old| old != value)
+        let is_type = path.last() == "type" && path::get(&self.tree, path).is_some_and(|old| old != value);
+        is_type || path.last() == "preset"
     }
 
     fn replace(&mut self, path: &KeyPath, value: Value) -> Result<(), Refusal> {

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use headway_env::{EnvSpec, GoalHandling, NavSpec};
+use headway_env::{EnvSpec, GoalHandling, NavSpec, RandomizeSpec};
 use headway_reward::{Progress, Proximity, R, Reward, Sum, Time};
 use headway_rl::DqnSpec;
-use headway_sensors::LidarSpec;
+use headway_sensors::{LidarSpec, OdometrySpec};
 use headway_sim::{Interval, Quantity, RoomSpec, VehicleSpec, WeightedWorld, WorldSpec};
 use serde::{Deserialize, Serialize};
 
@@ -27,6 +27,10 @@ pub struct RunSpec {
     pub vehicle: VehicleSpec,
     /// What it senses with.
     pub lidar: LidarSpec,
+    /// How it knows its own motion.
+    pub odometry: OdometrySpec,
+    /// Which numbers of the three differ from episode to episode.
+    pub randomize: RandomizeSpec,
     /// The decision process: goal handling, actions, observation.
     pub env: EnvSpec,
     /// What is paid in training.
@@ -99,6 +103,8 @@ impl Default for RunSpec {
             world: recommended_world(),
             vehicle: VehicleSpec::default(),
             lidar: LidarSpec::default(),
+            odometry: OdometrySpec::default(),
+            randomize: RandomizeSpec::default(),
             env: EnvSpec::default(),
             reward: Arc::new(recommended_reward()),
             agent: DqnSpec::default(),
@@ -115,6 +121,8 @@ impl RunSpec {
             world: self.world.clone(),
             vehicle: self.vehicle.clone(),
             lidar: self.lidar.clone(),
+            odometry: self.odometry,
+            randomize: self.randomize.clone(),
             env: self.env.clone(),
             reward: Arc::clone(&self.reward),
         }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use headway_env::{ActionSpec, Control, EnvSpec, NavSpec, Navigator, RouteSpec};
+use headway_env::{ActionSpec, Control, EnvSpec, NavSpec, Navigator};
 use headway_planning::Controller;
 use headway_policy::{Driver, Header, Layer, Policy, PolicyError};
 
@@ -53,7 +53,7 @@ fn a_driver_panics_at_a_scan_of_another_lidar() {
 
 #[test]
 fn without_a_route_a_speed_only_driver_steers_straight_at_the_goal() {
-    let control = Control::SpeedOnly(RouteSpec::default());
+    let control = Control::SpeedOnly { pursuit: Default::default() };
     let actions = ActionSpec::SetPoints { speeds: vec![0.6], yaw_rates: vec![0.0] };
     let layer = Layer { weight: vec![0.0; 42], bias: vec![0.0] };
     let policy = Policy::new(Header { control, actions, ..Header::default() }, vec![layer]).unwrap();
@@ -73,7 +73,7 @@ fn the_driver_commands_what_the_chosen_action_does_in_the_environment() {
         let is_full = control.contains("full");
         let yaw_rates = if is_full { "[-1.5, 0.0, 1.5]" } else { "[0.0]" };
         let env: EnvSpec = toml::from_str(&format!(
-            "control = {{ {control} }}\nactions = {{ type = \"set_points\", speeds = [0.3, 0.6, 1.0, 1.5], yaw_rates = {yaw_rates} }}"
+            "route = {{ type = \"true_map\" }}\ncontrol = {{ {control} }}\nactions = {{ type = \"set_points\", speeds = [0.3, 0.6, 1.0, 1.5], yaw_rates = {yaw_rates} }}"
         ))
         .unwrap();
         let n_actions = if is_full { 12 } else { 4 };
