@@ -23,6 +23,7 @@
 
 mod angle;
 pub mod check;
+mod crowd;
 mod error;
 mod footprint;
 mod geometry;
@@ -36,6 +37,7 @@ mod world;
 
 pub use angle::wrap;
 pub use check::FieldError;
+pub use crowd::{Crowd, CrowdMotion, CrowdSpec, Mover};
 pub use error::SimError;
 pub use footprint::Footprint;
 pub use motion::arc;

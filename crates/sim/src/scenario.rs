@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 use crate::{FieldError, Footprint, Point, Pose, SimError, World};
 use path_check::PathCheck;
 
+pub(crate) use generate::draw_shape;
 pub use goal_rule::GoalRule;
 pub use quantity::{Interval, Kinds, Quantity};
 pub use room_spec::RoomSpec;

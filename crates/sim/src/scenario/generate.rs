@@ -85,7 +85,7 @@ fn draw_place(room: &Room, rng: &mut impl RngExt) -> [f64; 3] {
 }
 
 /// A shape of a random kind whose circumscribed circle has a random radius.
-fn draw_shape(kinds: &Kinds, radius: &Interval, rng: &mut impl RngExt) -> Shape {
+pub(crate) fn draw_shape(kinds: &Kinds, radius: &Interval, rng: &mut impl RngExt) -> Shape {
     let radius = radius.sample(rng);
     let kind = rng.random_range(0.0..kinds.disc + kinds.r#box + kinds.polygon);
     if kind < kinds.disc {
