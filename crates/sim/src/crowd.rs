@@ -9,6 +9,8 @@ mod orca;
 mod place;
 mod program;
 mod spec;
+#[cfg(test)]
+mod tests;
 
 use nalgebra::Vector2;
 use rand_chacha::ChaCha8Rng;

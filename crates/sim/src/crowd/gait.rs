@@ -171,6 +171,12 @@ pub(super) fn stroll(
 }
 
 impl Errand {
+    /// To a given place, for as many seconds.
+    #[cfg(test)]
+    pub(super) fn to(goal: Point, patience: f64) -> Self {
+        Self { goal, patience }
+    }
+
     /// A free place, if possible one to which the straight way is free of what stands still.
     fn new(speed: f64, mover: &Mover, ground: &Ground<'_>, rng: &mut impl RngExt) -> Self {
         const MARGIN: f64 = 0.1;

@@ -4,7 +4,7 @@
 //! the velocity nearest to the one it wants among those that half-planes allow, one for each neighbour. Two that both do so
 //! do not collide within the horizon. From the vehicle, which may be driven by anybody, no reciprocity is expected.
 
-use nalgebra::Vector2;
+use nalgebra::{Rotation2, Vector2};
 
 use super::Mover;
 use super::ground::{GAP, Ground, Thing};
@@ -12,6 +12,10 @@ use super::program::{HalfPlane, nearest_allowed};
 
 /// By how much movers are larger to each other than they are, metres: so that they do not stop each other.
 const SKIN: f64 = 0.01;
+
+/// By how much movers that are hindered want to turn to the right, radians: two that meet exactly head-on would slow down
+/// for ever, each waiting for the other.
+const KEEP_RIGHT: f64 = 0.1;
 
 /// How far movers look ahead, seconds, and how far time goes in a step.
 #[derive(Debug, Clone, Copy)]
@@ -24,7 +28,8 @@ pub(super) struct Horizon {
     pub(super) dt: f64,
 }
 
-/// The velocity that the mover number `own` takes, of at most `speed` m/s, that is nearest to the wanted one.
+/// The velocity that the mover number `own` takes, of at most `speed` m/s: the wanted one, no faster than that, if it is
+/// allowed, or else the nearest to it a little to the right.
 ///
 /// `fastest` is the highest speed of whatever else moves, m/s.
 pub(super) fn velocity(
@@ -46,7 +51,10 @@ pub(super) fn velocity(
     }
     let n_hard = planes.len();
     planes.append(&mut soft);
-    nearest_allowed(&planes, n_hard, speed, wanted)
+    if planes.iter().all(|plane| plane.violation(wanted) <= 0.0) {
+        return *wanted;
+    }
+    nearest_allowed(&planes, n_hard, speed, &(Rotation2::new(-KEEP_RIGHT) * wanted))
 }
 
 /// What a thing that stands still allows: no faster towards its nearest point than to be there after the horizon (section
