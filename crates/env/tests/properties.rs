@@ -126,7 +126,7 @@ fn scene(posts: &[(f64, f64, f64)], goal: (f64, f64), at: &Pose, left: f64) -> N
     };
     let world = World::new(Room::new(200.0, 200.0), posts.iter().map(place).collect()).unwrap();
     let goal_rule = GoalRule { distance: 4.0, clearance: 0.2 };
-    let scenario = Scenario { world, start: *at, goal: at * Point::new(goal.0, left * goal.1), goal_rule };
+    let scenario = Scenario { world, start: *at, goal: at * Point::new(goal.0, left * goal.1), goal_rule, crowd: None };
     let quiet = NavSpec { lidar: LidarSpec::default(), ..spec(GoalHandling::Terminate) };
     Navigator::in_scenario(quiet.build().unwrap(), scenario, 0, 0).unwrap()
 }

@@ -173,3 +173,56 @@ fn bad_numbers_are_named() {
     );
     assert!(toml::from_str::<CrowdSpec>("n_mover = 3").is_err());
 }
+
+#[test]
+fn a_room_with_a_crowd_is_the_room_without_and_a_crowd() {
+    let vehicle = Footprint::new(&Shape::Disc { radius: 0.25 }).unwrap();
+    let motion = CrowdMotion::Reciprocal { horizon: 2.0, obstacle_horizon: 0.5 };
+    let spec = CrowdSpec { n_movers: Interval::Range([2.0, 6.0]), motion, ..CrowdSpec::default() };
+    let still = WorldSpec::Room(RoomSpec::default()).build(&vehicle).unwrap();
+    let room = RoomSpec { crowd: Some(spec.clone()), ..RoomSpec::default() };
+    let lively = WorldSpec::Room(room.clone()).build(&vehicle).unwrap();
+    for index in 0..20 {
+        let (a, b) = (still.scenario(5, index).unwrap(), lively.scenario(5, index).unwrap());
+        assert_eq!(a.world.obstacles(), b.world.static_obstacles());
+        assert_eq!((a.start, a.goal, a.crowd.is_none()), (b.start, b.goal, true));
+        let crowd = b.crowd.as_ref().unwrap();
+        assert_eq!(Some(crowd), lively.scenario(5, index).unwrap().crowd.as_ref());
+        assert!(crowd.movers().iter().all(|m| {
+            [a.start.translation.vector.into(), a.goal]
+                .iter()
+                .all(|end| (m.position - *end).norm() >= m.radius + 0.25 + spec.min_gap)
+        }));
+        let (mut rng, mut same_rng) = (stream(1, "goals", 0), stream(1, "goals", 0));
+        assert_eq!(
+            a.new_goal(&a.goal, &vehicle, &mut rng),
+            b.new_goal(&b.goal, &vehicle, &mut same_rng),
+            "movers do not count"
+        );
+    }
+    assert!(!toml::to_string(&RoomSpec::default()).unwrap().contains("crowd"));
+    let read: RoomSpec = toml::from_str(&toml::to_string(&room).unwrap()).unwrap();
+    assert_eq!(read, room);
+    let refused =
+        WorldSpec::Room(RoomSpec { crowd: Some(CrowdSpec { min_gap: -1.0, ..spec }), ..room }).build(&vehicle);
+    assert!(refused.unwrap_err().to_string().starts_with("crowd.min_gap = -1"));
+}
+
+#[test]
+fn scenarios_are_read_back_with_their_crowds_and_only_with_their_own() {
+    let vehicle = Footprint::new(&Shape::Disc { radius: 0.25 }).unwrap();
+    let room = RoomSpec { crowd: Some(CrowdSpec::default()), ..RoomSpec::default() };
+    let mut scenario = WorldSpec::Room(room).build(&vehicle).unwrap().scenario(0, 0).unwrap();
+    for _ in 0..50 {
+        scenario.crowd.as_mut().unwrap().step(&mut scenario.world, DT, None);
+    }
+    let read: Scenario = rmp_serde::from_slice(&rmp_serde::to_vec(&scenario).unwrap()).unwrap();
+    assert_eq!(read.crowd, scenario.crowd);
+    assert_eq!(read.world.obstacles(), scenario.world.obstacles());
+    scenario.crowd.as_mut().unwrap().step(&mut scenario.world.clone(), DT, None);
+    let error = rmp_serde::from_slice::<Scenario>(&rmp_serde::to_vec(&scenario).unwrap()).unwrap_err();
+    assert!(error.to_string().contains("crowd.movers.0"), "{error}");
+    scenario.crowd = None;
+    let plain: Scenario = rmp_serde::from_slice(&rmp_serde::to_vec(&scenario).unwrap()).unwrap();
+    assert!(plain.crowd.is_none());
+}

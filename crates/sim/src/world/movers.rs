@@ -1,5 +1,7 @@
 //! Obstacles whose pose can be set.
 
+use std::borrow::Cow;
+
 use super::{Circles, World};
 use crate::{Obstacle, Point, Pose, SimError};
 
@@ -37,11 +39,14 @@ impl World {
         &self.obstacles[self.n_static..]
     }
 
-    /// The world without its movers.
-    pub(crate) fn without_movers(&self) -> Self {
+    /// The world without its movers: itself, where it has none.
+    pub(crate) fn without_movers(&self) -> Cow<'_, Self> {
+        if self.movers().is_empty() {
+            return Cow::Borrowed(self);
+        }
         let mut world = Self::empty(self.room, self.n_static).expect("the room was checked");
         self.static_obstacles().iter().for_each(|obstacle| world.push(obstacle.clone()));
-        world
+        Cow::Owned(world)
     }
 
     /// Moves a mover, named by its index among all obstacles, to a pose at which it lies within the room.
