@@ -206,6 +206,7 @@ fn a_failed_restart_leaves_all_as_it_was() {
         min_gap: 0.05,
         start_goal_distance: 2.0,
         start_goal_clearance: 0.02,
+        crowd: None,
     };
     let route = RouteSpec { cell: 0.5, ..RouteSpec::default() };
     let vehicle = VehicleSpec { footprint: Shape::Disc { radius: 0.02 }, ..VehicleSpec::default() };

@@ -12,7 +12,7 @@ fn a_beam_ends_at_a_mover_where_it_went() {
     let lidar = LidarSpec { n_beams: 1, max_range: 10.0, ..LidarSpec::default() }.build().unwrap();
     let mut world = World::new(Room::new(10.0, 10.0), vec![]).unwrap();
     world.add_movers(vec![Obstacle { shape: Shape::Disc { radius: 0.5 }, x: 2.0, y: 8.0, yaw: 0.0 }]).unwrap();
-    let mut range = |world: &World| {
+    let range = |world: &World| {
         let mut ranges = [0.0];
         lidar.scan(world, &Pose::translation(1.0, 5.0), &mut stream(0, "noise", 0), &mut ranges);
         ranges[0]
