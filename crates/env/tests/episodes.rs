@@ -20,6 +20,7 @@ fn navigator(env: EnvSpec, goal_x: f64, post_x: Option<f64>) -> Navigator {
         start: Pose::translation(2.0, 5.0),
         goal: Point::new(goal_x, 5.0),
         goal_rule: GoalRule { distance: 4.0, clearance: 0.2 },
+        crowd: None,
     };
     Navigator::in_scenario(mdp(env), scenario, 0, 0).unwrap()
 }

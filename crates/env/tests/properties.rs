@@ -126,7 +126,7 @@ fn scene(posts: &[(f64, f64, f64)], goal: (f64, f64), at: &Pose, left: f64) -> N
     };
     let world = World::new(Room::new(200.0, 200.0), posts.iter().map(place).collect()).unwrap();
     let goal_rule = GoalRule { distance: 4.0, clearance: 0.2 };
-    let scenario = Scenario { world, start: *at, goal: at * Point::new(goal.0, left * goal.1), goal_rule };
+    let scenario = Scenario { world, start: *at, goal: at * Point::new(goal.0, left * goal.1), goal_rule, crowd: None };
     let quiet = NavSpec { lidar: LidarSpec::default(), ..spec(GoalHandling::Terminate) };
     Navigator::in_scenario(quiet.build().unwrap(), scenario, 0, 0).unwrap()
 }
@@ -206,6 +206,7 @@ fn a_failed_restart_leaves_all_as_it_was() {
         min_gap: 0.05,
         start_goal_distance: 2.0,
         start_goal_clearance: 0.02,
+        crowd: None,
     };
     let route = RouteSource::TrueMap(TrueMapSpec { cell: 0.5, ..Default::default() });
     let vehicle = VehicleSpec { footprint: Shape::Disc { radius: 0.02 }, ..VehicleSpec::default() };

@@ -1,5 +1,5 @@
 //! Time of a vehicle's control period, of collision tests and distances against parry's, of distances as obstacles grow in
-//! number, and of making a scenario.
+//! number, of making a scenario, and of a crowd's step.
 //!
 //! All questions are asked at 64 places among 12 discs and 12 boxes. `collision/24` asks whether a round vehicle touches
 //! anything, `collision_of_box/24` the same of a box; the rival `parry_bvh` asks parry2d's bounding-volume hierarchy (f64)
@@ -11,8 +11,8 @@ use std::hint::black_box;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use headway_sim::rand::RngExt;
 use headway_sim::{
-    Command, Footprint, Interval, Kinds, Obstacle, Pose, Quantity, RoomSpec, Scenario, Shape, VehicleSpec,
-    VehicleState, World, WorldSpec, stream,
+    Command, CrowdMotion, CrowdSpec, Footprint, Interval, Kinds, Obstacle, Pose, Quantity, RoomSpec, Scenario, Shape,
+    VehicleSpec, VehicleState, World, WorldSpec, stream,
 };
 use parry2d::bounding_volume::{Aabb, BoundingVolume};
 use parry2d::math::{Pose as ParryPose, Vector};
@@ -157,5 +157,21 @@ fn obstacles(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, step, collision, obstacles);
+/// Ten movers among 12 discs, by every rule.
+fn crowds(c: &mut Criterion) {
+    let mut group = c.benchmark_group("crowd_step");
+    for (name, motion) in [
+        ("waypoints", CrowdMotion::Waypoints { n_points: 4 }),
+        ("random_walk", CrowdMotion::RandomWalk { turning: 0.3 }),
+        ("reciprocal", CrowdMotion::Reciprocal { horizon: 2.0, obstacle_horizon: 0.5 }),
+    ] {
+        let mut world = scenario(12, Kinds::default()).world;
+        let spec = CrowdSpec { n_movers: Interval::Fixed(10.0), motion, ..CrowdSpec::default() };
+        let mut crowd = spec.build(&mut world, &[], &mut stream(0, "crowd", 0)).expect("there is room");
+        group.bench_function(name, |b| b.iter(|| crowd.step(&mut world, black_box(0.2), None)));
+    }
+    group.finish();
+}
+
+criterion_group!(benches, step, collision, obstacles, crowds);
 criterion_main!(benches);

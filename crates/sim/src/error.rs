@@ -60,3 +60,14 @@ pub enum SimError {
         tries: usize,
     },
 }
+
+impl SimError {
+    /// The same refusal, if it is one of a field, seen from what holds it under `parent`.
+    #[must_use]
+    pub(crate) fn under(self, parent: &str) -> Self {
+        match self {
+            Self::Field(error) => Self::Field(error.under(parent)),
+            other => other,
+        }
+    }
+}

@@ -32,6 +32,18 @@ impl Polygon {
         Self { normals, lengths, center, radius, hull, vertices }
     }
 
+    /// Moves the polygon, made of these corners, to `pose`: what [`Self::at`] makes of the one in its own frame.
+    pub(crate) fn place(&mut self, corners: &[Point], pose: &Pose) {
+        let sum: Vector2<f64> = corners.iter().map(|v| v.coords).sum();
+        self.center = pose * Point::from(sum / corners.len() as f64);
+        let edges = corners.iter().zip(corners.iter().cycle().skip(1));
+        for (((a, b), vertex), normal) in edges.zip(&mut self.vertices).zip(&mut self.normals) {
+            *vertex = pose * a;
+            *normal = pose.rotation * Vector2::new(b.y - a.y, a.x - b.x).normalize();
+        }
+        self.hull.place(pose);
+    }
+
     /// The same polygon moved to `pose`.
     pub(crate) fn at(&self, pose: &Pose) -> Self {
         Self {

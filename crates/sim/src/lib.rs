@@ -1,8 +1,8 @@
 //! World geometry, vehicle kinematics with limits, collision and seeded scenarios.
 //!
-//! The crate answers three questions and knows nothing else: where things are ([`World`]), how a
-//! vehicle moves ([`Vehicle`]), and which worlds to drive in ([`WorldSpec`]). It knows no sensor, no
-//! reward and no learning.
+//! The crate answers four questions and knows nothing else: where things are ([`World`]), how a
+//! vehicle moves ([`Vehicle`]), how others move ([`Crowd`]), and which worlds to drive in ([`WorldSpec`]). It
+//! knows no sensor, no reward and no learning.
 //!
 //! Conventions: SI units, radians, right-handed axes, yaw in (-pi, pi]. A room lies in
 //! `[0, width] x [0, height]`. Poses, points and twists are nalgebra types; the
@@ -23,6 +23,7 @@
 
 mod angle;
 pub mod check;
+mod crowd;
 mod error;
 mod footprint;
 mod geometry;
@@ -36,6 +37,7 @@ mod world;
 
 pub use angle::wrap;
 pub use check::FieldError;
+pub use crowd::{Crowd, CrowdMotion, CrowdSpec, Mover};
 pub use error::SimError;
 pub use footprint::Footprint;
 pub use motion::{arc, glide};

@@ -13,9 +13,10 @@ use nalgebra::distance;
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
-use crate::{FieldError, Footprint, Point, Pose, SimError, World};
+use crate::{Crowd, FieldError, Footprint, Point, Pose, SimError, World};
 use path_check::PathCheck;
 
+pub(crate) use generate::draw_shape;
 pub use goal_rule::GoalRule;
 pub use quantity::{Interval, Kinds, Quantity};
 pub use room_spec::RoomSpec;
@@ -37,6 +38,9 @@ pub struct Scenario {
     pub goal: Point,
     /// How further goals in this world are drawn.
     pub goal_rule: GoalRule,
+    /// What moves the world's movers, if there are any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub crowd: Option<Crowd>,
 }
 
 /// A scenario before it is checked.
@@ -47,21 +51,26 @@ struct ScenarioData {
     start: Pose,
     goal: Point,
     goal_rule: GoalRule,
+    #[serde(default)]
+    crowd: Option<Crowd>,
 }
 
 impl TryFrom<ScenarioData> for Scenario {
     type Error = SimError;
     fn try_from(data: ScenarioData) -> Result<Self, SimError> {
-        Self::new(data.world, data.start, data.goal, data.goal_rule)
+        if let Some(crowd) = &data.crowd {
+            crowd.check(&data.world).map_err(|e| e.under("crowd"))?;
+        }
+        Ok(Self { crowd: data.crowd, ..Self::new(data.world, data.start, data.goal, data.goal_rule)? })
     }
 }
 
 impl Scenario {
-    /// A scenario by hand.
+    /// A scenario by hand, without a crowd.
     ///
     /// # Errors
     /// If the rule is not allowed in this room, or the start or the goal is not a point inside the room and
-    /// outside of all obstacles. Whether a path joins them depends on who drives, and is not checked.
+    /// outside of all obstacles that stand still. Whether a path joins them depends on who drives, and is not checked.
     ///
     /// ```
     /// use headway_sim::{GoalRule, Point, Pose, Room, Scenario, World};
@@ -75,23 +84,25 @@ impl Scenario {
     /// ```
     pub fn new(world: World, start: Pose, goal: Point, goal_rule: GoalRule) -> Result<Self, SimError> {
         goal_rule.check(&world.room()).map_err(|e| e.under("goal_rule"))?;
+        let still = world.without_movers();
         for (field, point) in [("start", start.translation.vector.into()), ("goal", goal)] {
-            let room = world.distance(&point);
+            let room = still.distance(&point);
             if room.is_nan() || room <= 0.0 {
                 let value = format!("({}, {})", point.x, point.y);
                 return Err(FieldError::new(field, value, "inside the room and outside of all obstacles").into());
             }
         }
+        drop(still);
         let rotation = start.rotation.into_inner();
         let off = (rotation.norm() - 1.0).abs();
         if off.is_nan() || off > 1e-6 {
             return Err(FieldError::new("start.rotation", rotation, "a complex number of length 1").into());
         }
-        Ok(Self { world, start, goal, goal_rule })
+        Ok(Self { world, start, goal, goal_rule, crowd: None })
     }
 
     /// A further goal for a vehicle that is at `from`: joined to the start, and so to wherever the
-    /// vehicle has driven to.
+    /// vehicle has driven to. Movers, which will be elsewhere, do not count.
     ///
     /// The first of 50 draws that is at least the rule's distance away. Where there is none (a small room, a
     /// vehicle in its middle), the farthest that is at least half as far, of up to 200 draws. Failing that,
@@ -102,7 +113,8 @@ impl Scenario {
         const MOST_DRAWS: usize = 200;
         let rule = &self.goal_rule;
         let start = self.start.translation.vector.into();
-        let mut check = PathCheck::new(&self.world, footprint, rule);
+        let world = self.world.without_movers();
+        let mut check = PathCheck::new(&world, footprint, rule);
         let mut farthest: Option<(f64, Point)> = None;
         for draw in 0..MOST_DRAWS {
             let enough = if draw < DRAWS { rule.distance } else { rule.distance / 2.0 };
@@ -110,7 +122,7 @@ impl Scenario {
             if so_far >= enough {
                 break;
             }
-            let better = rule.place(&self.world, footprint, rng).filter(|goal| distance(goal, from) > so_far);
+            let better = rule.place(&world, footprint, rng).filter(|goal| distance(goal, from) > so_far);
             if let Some(goal) = better.filter(|goal| check.joins(&start, goal)) {
                 farthest = Some((distance(&goal, from), goal));
             }

@@ -173,7 +173,7 @@ fn check_polygon(vertices: &[[f64; 2]]) -> Result<(), FieldError> {
     Ok(())
 }
 
-/// A static solid: a shape and where it stands.
+/// A solid: a shape and where it stands, or where it now is if it moves.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Obstacle {

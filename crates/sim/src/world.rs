@@ -3,6 +3,7 @@
 mod buckets;
 mod circles;
 mod kernel;
+mod movers;
 mod solid;
 mod surface;
 
@@ -17,12 +18,15 @@ pub use surface::{Outline, Proximity, Surface};
 
 /// A room with obstacles, ready to be asked for distances.
 ///
-/// Serialised as its room and obstacles; what is derived from them is built anew.
+/// Behind those that stand still it may have *movers*, obstacles whose pose can be set ([`Self::set_pose`]); every
+/// question finds them where they now are. Serialised as its room, obstacles and movers (if any); what is derived from them is built anew.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(try_from = "WorldData", into = "WorldData")]
 pub struct World {
     room: Room,
+    /// Those that stand still, and then those that move.
     obstacles: Vec<Obstacle>,
+    n_static: usize,
     solids: Vec<Solid>,
     /// Around each solid.
     circles: Circles,
@@ -33,18 +37,24 @@ pub struct World {
 struct WorldData {
     room: Room,
     obstacles: Vec<Obstacle>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    movers: Vec<Obstacle>,
 }
 
 impl TryFrom<WorldData> for World {
     type Error = SimError;
     fn try_from(data: WorldData) -> Result<Self, SimError> {
-        Self::new(data.room, data.obstacles)
+        let mut world = Self::new(data.room, data.obstacles)?;
+        world.add_movers(data.movers)?;
+        Ok(world)
     }
 }
 
 impl From<World> for WorldData {
     fn from(world: World) -> Self {
-        Self { room: world.room, obstacles: world.obstacles }
+        let mut obstacles = world.obstacles;
+        let movers = obstacles.split_off(world.n_static);
+        Self { room: world.room, obstacles, movers }
     }
 }
 
@@ -57,16 +67,22 @@ impl World {
     pub fn new(room: Room, obstacles: Vec<Obstacle>) -> Result<Self, SimError> {
         let mut world = Self::empty(room, obstacles.len())?;
         for (index, obstacle) in obstacles.into_iter().enumerate() {
-            let place = format!("obstacles.{index}");
-            obstacle.shape.check().map_err(|e| e.under("shape").under(&place))?;
-            let clearance = world.wall_clearance(&Footprint::of_obstacle(&obstacle.shape), &obstacle.pose()).1;
-            if !(clearance >= -1e-9 && obstacle.yaw.is_finite()) {
-                let (x, y) = (obstacle.x, obstacle.y);
-                return Err(SimError::OutsideRoom { index, x, y, width: room.width, height: room.height });
-            }
+            world.check(&obstacle, index).map_err(|e| e.under(&format!("obstacles.{index}")))?;
             world.push(obstacle);
         }
         Ok(world)
+    }
+
+    /// Checks the shape of an obstacle, and that it lies within the room.
+    fn check(&self, obstacle: &Obstacle, index: usize) -> Result<(), SimError> {
+        obstacle.shape.check().map_err(|e| e.under("shape"))?;
+        let clearance = self.wall_clearance(&Footprint::of_obstacle(&obstacle.shape), &obstacle.pose()).1;
+        if clearance >= -1e-9 && obstacle.yaw.is_finite() { Ok(()) } else { Err(self.outside(obstacle, index)) }
+    }
+
+    /// The refusal of an obstacle that leaves the room.
+    fn outside(&self, &Obstacle { x, y, .. }: &Obstacle, index: usize) -> SimError {
+        SimError::OutsideRoom { index, x, y, width: self.room.width, height: self.room.height }
     }
 
     /// A room in which up to `n_obstacles` are going to stand.
@@ -74,14 +90,18 @@ impl World {
         room.check()?;
         let circles = Circles::new(&room, n_obstacles);
         let (obstacles, solids) = (Vec::with_capacity(n_obstacles), Vec::with_capacity(n_obstacles));
-        Ok(Self { room, obstacles, solids, circles })
+        Ok(Self { room, obstacles, n_static: 0, solids, circles })
     }
 
-    /// Adds a checked obstacle.
+    /// Adds a checked obstacle that stands still, before any that moves.
     pub(crate) fn push(&mut self, obstacle: Obstacle) {
+        self.n_static += 1;
+        self.append(obstacle);
+    }
+
+    fn append(&mut self, obstacle: Obstacle) {
         let solid = Solid::new(&obstacle);
-        let (center, radius) = solid.bounding_circle();
-        self.circles.push(&center, radius, matches!(solid, Solid::Disc { .. }));
+        self.circles.push_solid(&solid);
         self.solids.push(solid);
         self.obstacles.push(obstacle);
     }
@@ -92,7 +112,7 @@ impl World {
         self.room
     }
 
-    /// The obstacles, as given.
+    /// All obstacles: those that stand still, as given, and then the movers, where they are.
     #[must_use]
     pub fn obstacles(&self) -> &[Obstacle] {
         &self.obstacles

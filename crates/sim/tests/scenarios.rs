@@ -129,6 +129,7 @@ fn narrow_room() -> impl Strategy<Value = RoomSpec> {
             min_gap,
             start_goal_distance: 1.5,
             start_goal_clearance,
+            crowd: None,
         },
     )
 }

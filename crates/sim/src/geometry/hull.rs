@@ -28,6 +28,11 @@ impl Hull {
         Self { polygon: Arc::clone(&self.polygon), frame: to_parry(pose) * self.frame }
     }
 
+    /// Moves the frame to `pose`.
+    pub(crate) fn place(&mut self, pose: &Pose) {
+        self.frame = to_parry(pose);
+    }
+
     /// How many corners parry kept.
     #[cfg(test)]
     pub(crate) fn n_corners(&self) -> usize {

@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
 
 use super::path_check::PathCheck;
 use super::{GoalRule, Interval, Kinds, Quantity, RoomSpec, Scenario};
@@ -15,8 +16,8 @@ const LAYOUT_TRIES: usize = 20;
 /// How many pairs of start and goal are tried in one layout.
 const PAIR_TRIES: usize = 50;
 
-/// A scenario that satisfies `spec`, with its path checked, from one random stream for the layout and one
-/// for the two ends.
+/// A scenario that satisfies `spec`, with its path checked, from one random stream for the layout, one
+/// for the two ends and one for the crowd.
 ///
 /// The room, the number of obstacles and their shapes are drawn once; only where they stand is drawn again
 /// when they do not fit. Drawing all again would favour large rooms with few and small obstacles.
@@ -25,6 +26,7 @@ pub(super) fn scenario(
     footprint: &Footprint,
     mut layout: impl RngExt,
     mut ends: impl RngExt,
+    mut crowd: ChaCha8Rng,
 ) -> Result<Scenario, SimError> {
     let (layout, ends) = (&mut layout, &mut ends);
     let room = Room::new(spec.width.sample(layout), spec.height.sample(layout));
@@ -34,7 +36,8 @@ pub(super) fn scenario(
     for _ in 0..LAYOUT_TRIES {
         let made = furnish(room, &shapes, spec.min_gap, layout).and_then(|world| {
             let (start, goal) = start_and_goal(&rule, &world, footprint, ends)?;
-            Ok(Scenario { world, start, goal, goal_rule: rule })
+            let scenario = Scenario { world, start, goal, goal_rule: rule, crowd: None };
+            populate(scenario, spec, footprint, &mut crowd)
         });
         match made {
             Ok(scenario) => return Ok(scenario),
@@ -85,7 +88,7 @@ fn draw_place(room: &Room, rng: &mut impl RngExt) -> [f64; 3] {
 }
 
 /// A shape of a random kind whose circumscribed circle has a random radius.
-fn draw_shape(kinds: &Kinds, radius: &Interval, rng: &mut impl RngExt) -> Shape {
+pub(crate) fn draw_shape(kinds: &Kinds, radius: &Interval, rng: &mut impl RngExt) -> Shape {
     let radius = radius.sample(rng);
     let kind = rng.random_range(0.0..kinds.disc + kinds.r#box + kinds.polygon);
     if kind < kinds.disc {
@@ -113,6 +116,20 @@ fn draw_polygon(radius: f64, rng: &mut impl RngExt) -> Shape {
         })
         .collect();
     Shape::Polygon { vertices }
+}
+
+/// A scenario with its crowd, if the room has one.
+fn populate(
+    scenario: Scenario,
+    spec: &RoomSpec,
+    footprint: &Footprint,
+    rng: &mut ChaCha8Rng,
+) -> Result<Scenario, SimError> {
+    let Some(spec) = &spec.crowd else { return Ok(scenario) };
+    let Scenario { mut world, start, goal, .. } = scenario;
+    let ends = [start.translation.vector.into(), goal].map(|end| (end, footprint.circumradius()));
+    let crowd = spec.build(&mut world, &ends, rng)?;
+    Ok(Scenario { world, crowd: Some(crowd), ..scenario })
 }
 
 fn start_and_goal(

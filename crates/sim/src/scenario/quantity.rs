@@ -35,7 +35,7 @@ impl Interval {
         }
     }
 
-    pub(super) fn check(&self, field: &str, number: fn(&str, f64) -> Result<(), FieldError>) -> Result<(), FieldError> {
+    pub(crate) fn check(&self, field: &str, number: fn(&str, f64) -> Result<(), FieldError>) -> Result<(), FieldError> {
         let (low, high) = self.bounds().into_inner();
         number(field, low)?;
         number(field, high)?;

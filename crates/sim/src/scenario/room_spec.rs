@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{GoalRule, Interval, Kinds, Quantity};
 use crate::check::{non_negative, positive, within};
-use crate::{FieldError, Room};
+use crate::{CrowdSpec, FieldError, Room};
 
 /// The most obstacles that a room may be given.
 const MOST_OBSTACLES: f64 = 1e4;
@@ -30,6 +30,9 @@ pub struct RoomSpec {
     /// Least distance from the vehicle's circumscribed circle to any surface at start and goal, metres,
     /// at least 0.01. Paths are searched on a lattice of at most half of it, so a large room needs more.
     pub start_goal_clearance: f64,
+    /// What moves in it; nothing if not given. Paths from start to goal lead round what stands still.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub crowd: Option<CrowdSpec>,
 }
 
 impl Default for RoomSpec {
@@ -52,6 +55,7 @@ impl RoomSpec {
             min_gap: 0.8,
             start_goal_distance: 4.0,
             start_goal_clearance: 0.2,
+            crowd: None,
         }
     }
 
@@ -86,6 +90,7 @@ impl RoomSpec {
         for room in [smallest, largest] {
             self.goal_rule().check(&room).map_err(|e| FieldError { field: format!("start_goal_{}", e.field), ..e })?;
         }
+        self.crowd.iter().try_for_each(|crowd| crowd.check().map_err(|e| e.under("crowd")))?;
         self.check_obstacles(largest.width * largest.height)
     }
 

@@ -21,8 +21,8 @@ impl WorldSource {
     /// The scenario number `index` of a seed.
     ///
     /// The choice of the world, its size and its obstacles come from the random stream "layout", the start
-    /// with its yaw and the goal from "start-goal". So the layout stays what it is under another goal rule or
-    /// footprint, unless one of the two finds no start and goal in it: then the obstacles are placed anew.
+    /// with its yaw and the goal from "start-goal", the crowd, if there is one, from "crowd". So the layout stays what it is under another goal rule or
+    /// footprint, or with a crowd, unless there is no start and goal, or no place for the crowd, in it: then the obstacles are placed anew.
     ///
     /// # Errors
     /// Says what could not be placed, if the spec leaves too little room.
@@ -39,7 +39,8 @@ impl WorldSource {
     pub fn scenario(&self, seed: u64, index: u64) -> Result<Scenario, SimError> {
         let mut layout = stream(seed, "layout", index);
         let room = self.choose(&mut layout);
-        generate::scenario(room, &self.footprint, layout, stream(seed, "start-goal", index))
+        let [ends, crowd] = ["start-goal", "crowd"].map(|name| stream(seed, name, index));
+        generate::scenario(room, &self.footprint, layout, ends, crowd)
     }
 
     /// One of the rooms, by their shares.

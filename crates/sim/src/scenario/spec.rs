@@ -12,6 +12,7 @@ const N_TRIALS: u64 = 16;
 /// Where scenarios come from, as data.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
+#[allow(clippy::large_enum_variant, reason = "there are few specs, and a box would be in everybody's way")]
 pub enum WorldSpec {
     /// A room with every number given.
     Room(RoomSpec),
@@ -58,8 +59,9 @@ impl WorldSpec {
         self.collect(1.0, &mut rooms)?;
         for (_, room) in &rooms {
             for index in 0..N_TRIALS {
-                let [layout, ends] = ["trial-layout", "trial-ends"].map(|name| stream(0, name, index));
-                generate::scenario(room, footprint, layout, ends)?;
+                let names = ["trial-layout", "trial-ends", "trial-crowd"];
+                let [layout, ends, crowd] = names.map(|name| stream(0, name, index));
+                generate::scenario(room, footprint, layout, ends, crowd)?;
             }
         }
         Ok(WorldSource::new(rooms, footprint.clone()))

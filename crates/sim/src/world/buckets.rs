@@ -38,6 +38,25 @@ impl Buckets {
         self.largest_radius = self.largest_radius.max(radius);
     }
 
+    /// Moves a solid from the cell of one centre to that of another.
+    pub(super) fn relocate(&mut self, index: usize, from: &Point, to: &Point) {
+        let [old, new] = [from, to].map(|center| {
+            let [i, j] = self.cell(center.x, center.y);
+            i * self.n + j
+        });
+        if old == new {
+            return;
+        }
+        let after = self.next[index];
+        let mut link = &mut self.first[old];
+        while *link != index as u32 {
+            let before = *link as usize;
+            link = &mut self.next[before];
+        }
+        *link = after;
+        self.next[index] = std::mem::replace(&mut self.first[new], index as u32);
+    }
+
     /// Every solid whose bounding circle comes within `reach` of `point`, and perhaps others.
     pub(super) fn near(&self, point: &Point, reach: f64) -> impl Iterator<Item = usize> + use<'_> {
         let reach = reach + self.largest_radius;

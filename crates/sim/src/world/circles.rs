@@ -2,6 +2,7 @@
 
 use super::buckets::Buckets;
 use super::kernel::{self, Block, LANES};
+use super::solid::Solid;
 use crate::{Point, Room};
 
 /// Up to so many circles, looking at all of them costs less than finding out which are near.
@@ -29,8 +30,14 @@ impl Circles {
         Self { blocks: Vec::with_capacity(n.div_ceil(LANES)), len: 0, are_exact: true, buckets }
     }
 
+    /// Adds the circle around a solid.
+    pub(super) fn push_solid(&mut self, solid: &Solid) {
+        let (center, radius) = solid.bounding_circle();
+        self.push(&center, radius, matches!(solid, Solid::Disc { .. }));
+    }
+
     /// Adds the circle around a solid, whose index is the number of those before it; `is_exact` if the solid fills it.
-    pub(super) fn push(&mut self, center: &Point, radius: f64, is_exact: bool) {
+    fn push(&mut self, center: &Point, radius: f64, is_exact: bool) {
         self.are_exact &= is_exact;
         let radius = radius + SLACK;
         let lane = self.len % LANES;
@@ -43,6 +50,21 @@ impl Circles {
             buckets.insert(self.len, center, radius);
         }
         self.len += 1;
+    }
+
+    /// Whether `n` circles can be told apart as these are: many need the grid.
+    pub(super) fn suits(&self, n: usize) -> bool {
+        n <= FEW || self.buckets.is_some()
+    }
+
+    /// Moves the circle around a solid.
+    pub(super) fn relocate(&mut self, index: usize, center: &Point) {
+        let (block, lane) = (&mut self.blocks[index / LANES], index % LANES);
+        let from = Point::new(block.x[lane], block.y[lane]);
+        (block.x[lane], block.y[lane]) = (center.x, center.y);
+        if let Some(buckets) = &mut self.buckets {
+            buckets.relocate(index, &from, center);
+        }
     }
 
     /// The circles that come within `reach` of a point, in no particular order.

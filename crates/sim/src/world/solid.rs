@@ -21,11 +21,29 @@ impl Solid {
         }
     }
 
+    /// Moves the solid of an obstacle to where the obstacle now is.
+    pub(super) fn place(&mut self, obstacle: &Obstacle) {
+        match self {
+            Self::Disc { center, .. } => *center = Point::new(obstacle.x, obstacle.y),
+            Self::Polygon(polygon) => polygon.place(&obstacle.shape.vertices(), &obstacle.pose()),
+        }
+    }
+
     /// Centre and radius of a circle that holds the solid.
     pub(super) fn bounding_circle(&self) -> (Point, f64) {
         match self {
             Self::Disc { center, radius } => (*center, *radius),
             Self::Polygon(polygon) => (polygon.center(), polygon.radius()),
+        }
+    }
+
+    /// The least distance of the solid, placed at `origin`, from walls: `to_walls` tells that of a point.
+    pub(super) fn least_to_walls(&self, origin: Point, to_walls: impl Fn(Point) -> f64) -> f64 {
+        match self {
+            Self::Disc { radius, .. } => to_walls(origin) - radius,
+            Self::Polygon(polygon) => {
+                polygon.vertices().iter().map(|corner| to_walls(*corner)).fold(to_walls(origin), f64::min)
+            }
         }
     }
 
