@@ -50,6 +50,12 @@ impl Footprint {
         self.circumradius
     }
 
+    /// The distance from the origin to the nearest point of the outline, metres.
+    #[must_use]
+    pub fn inradius(&self) -> f64 {
+        self.polygon.as_ref().map_or(self.circumradius, |polygon| -polygon.signed_distance(&Point::origin()))
+    }
+
     /// How far a point of the outline moves when the footprint turns, metres per radian at most:
     /// 0 for a disc, which turns onto itself.
     #[must_use]

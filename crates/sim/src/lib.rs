@@ -42,7 +42,7 @@ pub use error::SimError;
 pub use footprint::Footprint;
 pub use motion::{arc, glide};
 pub use rng::{stream, stream_seed};
-pub use scenario::{GoalRule, Interval, Kinds, Quantity, RoomSpec, Scenario, WeightedWorld, WorldSource, WorldSpec};
+pub use scenario::{BarnSpec, FilePart, FilesSpec, GoalRule, Interval, Kinds, Quantity, RoomSpec, Scenario, WeightedWorld, WorldSource, WorldSpec};
 pub use shape::{Obstacle, Room, Shape};
 pub use vehicle::{ActuationSpec, Command, Drive, Motion, Vehicle, VehiclePreset, VehicleSpec, VehicleState};
 pub use world::{Outline, Proximity, Surface, World};

@@ -1,5 +1,7 @@
 //! Seeded scenarios: a world, a start and a goal that a path joins.
 
+mod barn;
+mod files_spec;
 mod generate;
 mod goal_rule;
 mod lattice;
@@ -16,6 +18,8 @@ use serde::{Deserialize, Serialize};
 use crate::{Crowd, FieldError, Footprint, Point, Pose, SimError, World};
 use path_check::PathCheck;
 
+pub use barn::BarnSpec;
+pub use files_spec::{FilePart, FilesSpec};
 pub(crate) use generate::draw_shape;
 pub use goal_rule::GoalRule;
 pub use quantity::{Interval, Kinds, Quantity};

@@ -86,7 +86,7 @@ impl BarnSpec {
             let world = self.build_world(&self.draw_field(rng))?;
             if PathCheck::new(&world, &Footprint::disc(clearance), &rule).joins(&start, &goal) {
                 let start = Pose::new(start.coords, FRAC_PI_2);
-                return Ok(Scenario { world, start, goal, goal_rule: rule });
+                return Ok(Scenario { world, start, goal, goal_rule: rule, crowd: None });
             }
         }
         let room = self.room();

@@ -132,7 +132,8 @@ fn populate(
     Ok(Scenario { world, crowd: Some(crowd), ..scenario })
 }
 
-fn start_and_goal(
+/// Two places that a path joins, the first with a yaw.
+pub(super) fn start_and_goal(
     rule: &GoalRule,
     world: &World,
     footprint: &Footprint,

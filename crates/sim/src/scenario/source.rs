@@ -1,21 +1,51 @@
 //! Where scenarios come from.
 
-use rand::RngExt;
+use std::sync::Arc;
 
-use super::{RoomSpec, Scenario, generate};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+use super::files_spec::Files;
+use super::{BarnSpec, RoomSpec, Scenario, generate};
 use crate::{Footprint, SimError, stream};
+
+/// One kind of world of a source.
+#[derive(Debug, Clone)]
+#[allow(clippy::large_enum_variant, reason = "a source has few parts")]
+pub(super) enum Part {
+    Room(RoomSpec),
+    Barn(BarnSpec),
+    Files(Arc<Files>),
+}
+
+impl Part {
+    /// A scenario from random streams for the layout, the start and the goal, and the crowd.
+    pub(super) fn scenario(
+        &self,
+        footprint: &Footprint,
+        layout: impl RngExt,
+        ends: impl RngExt,
+        crowd: ChaCha8Rng,
+    ) -> Result<Scenario, SimError> {
+        match self {
+            Self::Room(room) => generate::scenario(room, footprint, layout, ends, crowd),
+            Self::Barn(barn) => barn.scenario(footprint, layout),
+            Self::Files(files) => files.scenario(footprint, layout, ends),
+        }
+    }
+}
 
 /// A checked source of scenarios for one footprint.
 #[derive(Debug, Clone)]
 pub struct WorldSource {
-    /// The rooms, each with its share of all scenarios.
-    rooms: Vec<(f64, RoomSpec)>,
+    /// Each with its share of all scenarios.
+    parts: Vec<(f64, Part)>,
     footprint: Footprint,
 }
 
 impl WorldSource {
-    pub(super) fn new(rooms: Vec<(f64, RoomSpec)>, footprint: Footprint) -> Self {
-        Self { rooms, footprint }
+    pub(super) fn new(parts: Vec<(f64, Part)>, footprint: Footprint) -> Self {
+        Self { parts, footprint }
     }
 
     /// The scenario number `index` of a seed.
@@ -38,17 +68,17 @@ impl WorldSource {
     /// ```
     pub fn scenario(&self, seed: u64, index: u64) -> Result<Scenario, SimError> {
         let mut layout = stream(seed, "layout", index);
-        let room = self.choose(&mut layout);
+        let part = self.choose(&mut layout);
         let [ends, crowd] = ["start-goal", "crowd"].map(|name| stream(seed, name, index));
-        generate::scenario(room, &self.footprint, layout, ends, crowd)
+        part.scenario(&self.footprint, layout, ends, crowd)
     }
 
-    /// One of the rooms, by their shares.
-    fn choose(&self, rng: &mut impl RngExt) -> &RoomSpec {
-        let mut share = if self.rooms.len() > 1 { rng.random_range(0.0..1.0) } else { 0.0 };
-        let mut chosen = &self.rooms[0].1;
-        for (weight, room) in &self.rooms {
-            chosen = room;
+    /// One of the parts, by their shares.
+    fn choose(&self, rng: &mut impl RngExt) -> &Part {
+        let mut share = if self.parts.len() > 1 { rng.random_range(0.0..1.0) } else { 0.0 };
+        let mut chosen = &self.parts[0].1;
+        for (weight, part) in &self.parts {
+            chosen = part;
             if share < *weight {
                 break;
             }

@@ -1,8 +1,12 @@
 //! Worlds as data.
 
+use std::path::PathBuf;
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
-use super::{RoomSpec, WorldSource, generate};
+use super::source::Part;
+use super::{BarnSpec, FilesSpec, RoomSpec, WorldSource};
 use crate::check::positive;
 use crate::{FieldError, Footprint, SimError, stream};
 
@@ -22,6 +26,10 @@ pub enum WorldSpec {
     /// The paper's large room: [`RoomSpec::room_25x25`].
     #[serde(rename = "room_25x25")]
     Room25x25 {},
+    /// A corridor and a field of posts, drawn like the worlds of the BARN challenge.
+    Barn(BarnSpec),
+    /// Worlds from files.
+    Files(FilesSpec),
     /// Each scenario from one of several worlds, drawn by weight.
     Mixture {
         /// The worlds.
@@ -47,7 +55,7 @@ pub struct WeightedWorld {
 
 impl WorldSpec {
     /// The tags of all kinds of worlds.
-    pub const TYPES: [&str; 4] = ["room", "room_10x15", "room_25x25", "mixture"];
+    pub const TYPES: [&str; 6] = ["room", "room_10x15", "room_25x25", "barn", "files", "mixture"];
 
     /// Checks the numbers, and makes some scenarios of every part for `footprint`, so that what cannot be
     /// placed, or often cannot, is found out now.
@@ -55,30 +63,35 @@ impl WorldSpec {
     /// # Errors
     /// Names the field, or says what does not fit.
     pub fn build(&self, footprint: &Footprint) -> Result<WorldSource, SimError> {
-        let mut rooms = Vec::new();
-        self.collect(1.0, &mut rooms)?;
-        for (_, room) in &rooms {
+        let mut parts = Vec::new();
+        self.collect(1.0, footprint, &mut parts)?;
+        for (_, part) in &parts {
             for index in 0..N_TRIALS {
                 let names = ["trial-layout", "trial-ends", "trial-crowd"];
                 let [layout, ends, crowd] = names.map(|name| stream(0, name, index));
-                generate::scenario(room, footprint, layout, ends, crowd)?;
+                part.scenario(footprint, layout, ends, crowd)?;
             }
         }
-        Ok(WorldSource::new(rooms, footprint.clone()))
+        Ok(WorldSource::new(parts, footprint.clone()))
     }
 
-    /// The rooms within, each with its share of all scenarios.
-    fn collect(&self, share: f64, rooms: &mut Vec<(f64, RoomSpec)>) -> Result<(), FieldError> {
+    /// The parts that are no mixtures, each with its share of all scenarios.
+    fn collect(&self, share: f64, footprint: &Footprint, parts: &mut Vec<(f64, Part)>) -> Result<(), SimError> {
         match self {
             Self::Room(room) => {
                 room.check()?;
-                rooms.push((share, room.clone()));
+                parts.push((share, Part::Room(room.clone())));
             }
-            Self::Room10x15 {} => rooms.push((share, RoomSpec::room_10x15())),
-            Self::Room25x25 {} => rooms.push((share, RoomSpec::room_25x25())),
+            Self::Room10x15 {} => parts.push((share, Part::Room(RoomSpec::room_10x15()))),
+            Self::Room25x25 {} => parts.push((share, Part::Room(RoomSpec::room_25x25()))),
+            Self::Barn(barn) => {
+                barn.check()?;
+                parts.push((share, Part::Barn(barn.clone())));
+            }
+            Self::Files(files) => parts.push((share, Part::Files(Arc::new(files.build(footprint)?)))),
             Self::Mixture { worlds } => {
                 if worlds.is_empty() {
-                    return Err(FieldError::new("worlds", "[]", "one world or more"));
+                    return Err(FieldError::new("worlds", "[]", "one world or more").into());
                 }
                 let place = |i: usize, field: &str| format!("worlds.{i}.{field}");
                 for (i, part) in worlds.iter().enumerate() {
@@ -88,10 +101,25 @@ impl WorldSpec {
                 positive("worlds (the sum of their weights)", total)?;
                 for (i, part) in worlds.iter().enumerate() {
                     let share = share * part.weight / total;
-                    part.world.collect(share, rooms).map_err(|e| e.under(&place(i, "world")))?;
+                    part.world.collect(share, footprint, parts).map_err(|e| e.under(&place(i, "world")))?;
                 }
             }
         }
         Ok(())
+    }
+
+    /// All files that scenarios come from, in the order of their mention.
+    ///
+    /// # Errors
+    /// If a folder cannot be listed.
+    pub fn files(&self) -> Result<Vec<PathBuf>, SimError> {
+        match self {
+            Self::Files(files) => files.files(),
+            Self::Mixture { worlds } => {
+                let parts = worlds.iter().map(|part| part.world.files()).collect::<Result<Vec<_>, _>>()?;
+                Ok(parts.concat())
+            }
+            _ => Ok(Vec::new()),
+        }
     }
 }
