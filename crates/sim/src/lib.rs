@@ -1,11 +1,11 @@
 //! World geometry, vehicle kinematics with limits, collision and seeded scenarios.
 //!
 //! The crate answers three questions and knows nothing else: where things are ([`World`]), how a
-//! vehicle moves ([`Vehicle`]), and which worlds to drive in ([`WorldSpec`]). It knows no sensor, no
-//! reward and no learning.
+//! vehicle moves ([`Vehicle`]), and which worlds to drive in ([`WorldSpec`] makes them, [`files`]
+//! brings them from elsewhere). It knows no sensor, no reward and no learning.
 //!
-//! Conventions: SI units, radians, right-handed axes, yaw in (-pi, pi]. A room lies in
-//! `[0, width] x [0, height]`. Poses, points and twists are nalgebra types; the
+//! Conventions: SI units, radians, right-handed axes, yaw in (-pi, pi]. A room lies
+//! wherever its corner is put. Poses, points and twists are nalgebra types; the
 //! distance of two polygons is parry2d's (its f64 build), converted at one place.
 //!
 //! # Example
@@ -24,6 +24,7 @@
 mod angle;
 pub mod check;
 mod error;
+pub mod files;
 mod footprint;
 mod geometry;
 mod motion;
