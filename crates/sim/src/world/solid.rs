@@ -49,7 +49,7 @@ impl Solid {
     }
 
     /// Whether a footprint touches or overlaps the solid: as [`Self::clearance`] says, but cheaper for two polygons.
-    pub(crate) fn touches(&self, footprint: &Footprint, pose: &Pose) -> bool {
+    pub(super) fn touches(&self, footprint: &Footprint, pose: &Pose) -> bool {
         match (self, footprint.polygon()) {
             (Self::Polygon(polygon), Some(own)) => polygon.hull().touches(own.hull(), pose),
             _ => self.clearance(footprint, pose) <= 0.0,

@@ -2,13 +2,15 @@
 
 use std::fmt::Write;
 
+use nalgebra::Vector2;
+
 use super::cells::Cells;
 use crate::check::within;
 use crate::files::start_goal::start_numbers;
 use crate::files::{FileError, WorldFile};
-use crate::{FieldError, Footprint, Obstacle, Point, Pose, Room, Shape, World};
+use crate::{FieldError, Outline, Point, Room, Surface, World};
 
-/// How much of a cell an obstacle may cover, as a share of its side, before it counts: rounding at its edge does not.
+/// How far an obstacle may reach into a cell, as a share of its side, before it counts: rounding at its edge does not.
 const TOLERANCE: f64 = 1e-6;
 
 /// The most cells of a map that is written.
@@ -78,25 +80,50 @@ fn raster(world: &World, resolution: f64) -> Result<Cells, FieldError> {
     }
     let mut cells = Cells::empty(n(width) as usize, n(height) as usize);
     occupy_edge(&mut cells, [width / resolution, height / resolution]);
-    let side = resolution * (1.0 - TOLERANCE);
-    let cell = Footprint::new(&Shape::Box { length: side, width: side })?;
-    for (index, obstacle) in world.obstacles().iter().enumerate() {
-        let (low, high) = bounds(obstacle);
-        let range = |low: f64, high: f64, n: usize| {
-            let column = |along: f64| (along / resolution).clamp(0.0, n as f64) as usize;
-            column(low)..(column(high) + 1).min(n)
-        };
-        for row in range(low.y - y, high.y - y, cells.n_rows) {
-            for column in range(low.x - x, high.x - x, cells.n_columns) {
-                let middle = |corner: f64, k: usize| corner + (k as f64 + 0.5) * resolution;
-                let center = Pose::translation(middle(x, column), middle(y, row));
-                if world.solids()[index].touches(&cell, &center) {
-                    cells.occupy(column, row);
-                }
+    for index in 0..world.obstacles().len() {
+        occupy(&mut cells, &world.outline(Surface::Obstacle(index)), &Point::new(x, y), resolution);
+    }
+    Ok(cells)
+}
+
+/// Occupies the cells that an obstacle covers any of, on a map with its lower left corner at `corner`.
+fn occupy(cells: &mut Cells, outline: &Outline<'_>, corner: &Point, resolution: f64) {
+    let (low, high) = bounds(outline);
+    let range = |low: f64, high: f64, n: usize| {
+        let cell = |along: f64| (along / resolution).clamp(0.0, n as f64) as usize;
+        cell(low)..(cell(high) + 1).min(n)
+    };
+    for row in range(low.y - corner.y, high.y - corner.y, cells.n_rows) {
+        for column in range(low.x - corner.x, high.x - corner.x, cells.n_columns) {
+            let center = corner + Vector2::new(column as f64 + 0.5, row as f64 + 0.5) * resolution;
+            if covers(outline, &center, resolution / 2.0) {
+                cells.occupy(column, row);
             }
         }
     }
-    Ok(cells)
+}
+
+/// Whether a convex outline covers any of the upright square of `half` the side around a point: no axis parts them.
+fn covers(outline: &Outline<'_>, center: &Point, half: f64) -> bool {
+    let tolerance = 2.0 * half * TOLERANCE;
+    match outline {
+        Outline::Disc { center: middle, radius } => {
+            let beside = (middle - center).abs().add_scalar(-half).map(|beside| beside.max(0.0));
+            beside.norm() < radius - tolerance
+        }
+        Outline::Polygon(vertices) => {
+            let (low, high) = bounds(outline);
+            let is_beside =
+                |k: usize| high[k] - (center[k] - half) <= tolerance || center[k] + half - low[k] <= tolerance;
+            let edges = vertices.iter().zip(vertices.iter().cycle().skip(1));
+            let mut sides = edges.map(|(a, b)| (a, Vector2::new(b.y - a.y, a.x - b.x).normalize()));
+            let is_outside = |(a, normal): (&Point, Vector2<f64>)| {
+                normal.dot(&(center - a)) - half * (normal.x.abs() + normal.y.abs()) >= -tolerance
+            };
+            !is_beside(0) && !is_beside(1) && !sides.any(is_outside)
+        }
+        Outline::Wall(_) => false,
+    }
 }
 
 /// Occupies the cells that reach out of a room of so many cells, a number that need not be whole.
@@ -111,10 +138,16 @@ fn occupy_edge(cells: &mut Cells, [width, height]: [f64; 2]) {
     }
 }
 
-/// The upright box around an obstacle.
-fn bounds(obstacle: &Obstacle) -> (Point, Point) {
-    let radius = obstacle.shape.circumradius();
-    let center = Point::new(obstacle.x, obstacle.y);
-    let reach = nalgebra::Vector2::repeat(radius);
-    (center - reach, center + reach)
+/// The upright box around an outline.
+fn bounds(outline: &Outline<'_>) -> (Point, Point) {
+    match outline {
+        Outline::Disc { center, radius } => (center.map(|x| x - radius), center.map(|x| x + radius)),
+        Outline::Polygon(corners) => box_of(corners),
+        Outline::Wall(ends) => box_of(ends),
+    }
+}
+
+fn box_of(corners: &[Point]) -> (Point, Point) {
+    let first = (corners[0], corners[0]);
+    corners.iter().fold(first, |(low, high), p| (low.inf(p), high.sup(p)))
 }
