@@ -1,5 +1,7 @@
 //! Occupied cells as few rectangles.
 
+use std::ops::Range;
+
 use super::cells::Cells;
 
 /// A rectangle of cells: columns `left..right`, rows `bottom..top`.
@@ -46,16 +48,17 @@ pub(super) fn blocks(cells: &Cells, most: usize) -> Option<Vec<Block>> {
     Some(found)
 }
 
-/// The larger of the two rectangles up and right of an occupied cell.
+/// The larger of the two rectangles up and right of an occupied cell. Looks at no more cells than a few times those of the
+/// rectangle and one row and one column, so that all rectangles of a map together take time in proportion to the map.
 fn largest(cells: &Cells, left: usize, bottom: usize) -> Block {
-    let width_of = |row: usize, most: usize| cells.row(row)[left..left + most].iter().take_while(|o| **o).count();
-    let width = width_of(bottom, cells.n_columns - left);
-    let rows_above = || bottom + 1..cells.n_rows;
-    let wide_top = rows_above().find(|row| width_of(*row, width) < width).unwrap_or(cells.n_rows);
-    let wide = Block { left, right: left + width, bottom, top: wide_top };
-    let top = rows_above().find(|row| !cells.row(*row)[left]).unwrap_or(cells.n_rows);
-    let narrowest = (bottom..top).map(|row| width_of(row, width)).min().unwrap_or(width);
-    let tall = Block { left, right: left + narrowest, bottom, top };
+    let is_full = |columns: Range<usize>, row: usize| cells.row(row)[columns].iter().all(|occupied| *occupied);
+    let right = (left..cells.n_columns).find(|column| !cells.row(bottom)[*column]).unwrap_or(cells.n_columns);
+    let top = (bottom..cells.n_rows).find(|row| !cells.row(*row)[left]).unwrap_or(cells.n_rows);
+    let wide_top = (bottom + 1..top).find(|row| !is_full(left..right, *row)).unwrap_or(top);
+    let is_standing = |column: usize| (bottom..top).all(|row| cells.row(row)[column]);
+    let tall_right = (left + 1..right).find(|column| !is_standing(*column)).unwrap_or(right);
+    let wide = Block { left, right, bottom, top: wide_top };
+    let tall = Block { left, right: tall_right, bottom, top };
     let area = |block: &Block| block.width() * block.height();
     if area(&tall) > area(&wide) { tall } else { wide }
 }

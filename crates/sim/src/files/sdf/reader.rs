@@ -201,7 +201,8 @@ fn room_around(obstacles: &[Obstacle], points: impl Iterator<Item = Point>, marg
     };
     let bounds = obstacles.iter().flat_map(extremes).chain(points.map(|point| (point, 0.0))).fold(nowhere, around);
     let (low, high) = if bounds.0.x > bounds.1.x { (Vector2::zeros(), Vector2::zeros()) } else { bounds };
-    let margin = margin + 1e-15 * low.amax().max(high.amax());
+    // Rounding must not put what stands at the edge outside.
+    let margin = margin.max(1e-15 * low.amax().max(high.amax()));
     let (low, size) = (low.add_scalar(-margin), (high - low).add_scalar(2.0 * margin));
     Room { x: low.x, y: low.y, width: size.x, height: size.y }
 }
