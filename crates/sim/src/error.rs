@@ -8,6 +8,9 @@ pub enum SimError {
     /// A number outside what its field allows.
     #[error(transparent)]
     Field(#[from] FieldError),
+    /// A world file that was refused.
+    #[error(transparent)]
+    File(#[from] crate::files::FileError),
     /// An obstacle of a given world that leaves its room.
     #[error("obstacle {index} at ({x}, {y}) reaches out of the {width} x {height} m room")]
     OutsideRoom {

@@ -3,9 +3,12 @@
 //! The crate answers four questions and knows nothing else: where things are ([`World`]), how a
 //! vehicle moves ([`Vehicle`]), how others move ([`Crowd`]), and which worlds to drive in ([`WorldSpec`]). It
 //! knows no sensor, no reward and no learning.
+//! The crate answers three questions and knows nothing else: where things are ([`World`]), how a
+//! vehicle moves ([`Vehicle`]), and which worlds to drive in ([`WorldSpec`] makes them, [`files`]
+//! brings them from elsewhere). It knows no sensor, no reward and no learning.
 //!
-//! Conventions: SI units, radians, right-handed axes, yaw in (-pi, pi]. A room lies in
-//! `[0, width] x [0, height]`. Poses, points and twists are nalgebra types; the
+//! Conventions: SI units, radians, right-handed axes, yaw in (-pi, pi]. A room lies
+//! wherever its corner is put. Poses, points and twists are nalgebra types; the
 //! distance of two polygons is parry2d's (its f64 build), converted at one place.
 //!
 //! # Example
@@ -25,6 +28,7 @@ mod angle;
 pub mod check;
 mod crowd;
 mod error;
+pub mod files;
 mod footprint;
 mod geometry;
 mod motion;
@@ -42,7 +46,10 @@ pub use error::SimError;
 pub use footprint::Footprint;
 pub use motion::{arc, glide};
 pub use rng::{stream, stream_seed};
-pub use scenario::{BarnSpec, FilePart, FilesSpec, GoalRule, Interval, Kinds, Quantity, RoomSpec, Scenario, WeightedWorld, WorldSource, WorldSpec};
+pub use scenario::{
+    BarnSpec, FilePart, FilesSpec, GoalRule, Interval, Kinds, Quantity, RoomSpec, Scenario, WeightedWorld, WorldSource,
+    WorldSpec,
+};
 pub use shape::{Obstacle, Room, Shape};
 pub use vehicle::{ActuationSpec, Command, Drive, Motion, Vehicle, VehiclePreset, VehicleSpec, VehicleState};
 pub use world::{Outline, Proximity, Surface, World};
