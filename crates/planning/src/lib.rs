@@ -20,11 +20,20 @@
 mod controller;
 mod grid;
 mod pure_pursuit;
+mod regulated_pursuit;
 mod route;
 mod search;
+mod shield;
+mod sweep;
+#[cfg(test)]
+mod trial;
+mod vfh;
 
 pub use controller::{Controller, Sensed};
 pub use grid::GridMap;
 pub use pure_pursuit::PurePursuit;
+pub use regulated_pursuit::{RegulatedPursuit, RegulatedPursuitSpec};
 pub use route::Route;
 pub use search::plan;
+pub use shield::{Shield, ShieldSpec};
+pub use vfh::{Vfh, VfhSpec};
