@@ -6,7 +6,7 @@ use headway_sim::check::{non_negative, positive, within};
 use headway_sim::{Command, FieldError, Point, Twist};
 use serde::{Deserialize, Serialize};
 
-use crate::sweep::{Front, Outline, Surroundings, echoes};
+use crate::sweep::{Front, Outline, Surroundings, Unseen, echoes};
 use crate::{Controller, Sensed};
 
 /// The parameters of [`RegulatedPursuit`], under the names that Nav2's controller of that name gives them.
@@ -205,7 +205,8 @@ impl RegulatedPursuit {
 
     /// Whether a motion for `time` seconds stays off all that the scan shows.
     fn is_free(&self, sensed: &Sensed<'_>, command: Command, time: f64) -> bool {
-        let surroundings = Surroundings::new(sensed, command.speed.abs() * time, self.spec.collision_margin, 0.0);
+        let surroundings =
+            Surroundings::new(sensed, Unseen::Free, command.speed.abs() * time, self.spec.collision_margin, 0.0);
         let twist = Twist::new(command.speed, 0.0, command.yaw_rate);
         surroundings.is_free_along(&mut Front::new(), &twist, time)
     }

@@ -6,7 +6,7 @@ use headway_sim::check::{non_negative, within};
 use headway_sim::{Command, FieldError, Twist, VehicleSpec};
 use serde::{Deserialize, Serialize};
 
-use crate::sweep::{Front, Surroundings};
+use crate::sweep::{Front, Surroundings, Unseen};
 use crate::{Controller, Sensed};
 
 /// What a [`Shield`] allows for.
@@ -71,10 +71,10 @@ impl ShieldSpec {
 /// all times, as long as the world stands still, the vehicle does what is expected of it (within `noise`), and the scan shows what is there
 /// (within `margin`).
 ///
-/// **What it does not know.** Directions in which no beam looks, as behind a lidar of 270 degrees, count as free: reversing
-/// is guarded by beams that look back, or not at all. A beam that met nothing counts as free up to the lidar's greatest range, and
-/// the vehicle has to be able to stop within that. A scan without beams lets everything pass. Sideways
-/// speed in commands counts as 0.
+/// **What is not seen.** The outline may not enter what is hidden behind something, nor leave the lidar's greatest range: the border
+/// of what is seen counts as an echo all along, so that the vehicle can stop for whatever lies just beyond. Directions in which no beam
+/// looks, as behind a lidar of 270 degrees, count as free: reversing is guarded by beams that look back, or not at
+/// all. A scan without beams lets everything pass. Sideways speed in commands counts as 0.
 ///
 /// Gaps narrower than the outline and two margins are not driven through. A vehicle that starts nearer to something than the margin may
 /// keep the distance, but come no nearer than half the margin; see [`ShieldSpec`].
@@ -216,7 +216,7 @@ impl<'a> Forecast<'a> {
         let fastest = targets.iter().chain([asked, &sensed.twist]).map(|twist| twist.xy().norm()).fold(0.0, f64::max);
         let braking = fastest / (spec.confidence * vehicle.max_acceleration);
         let reach = fastest * (spec.latency + vehicle.control_period * 2.0 + braking / 2.0);
-        let surroundings = Surroundings::new(sensed, reach, spec.margin, spec.noise);
+        let surroundings = Surroundings::new(sensed, Unseen::Blocked, reach, spec.margin, spec.noise);
         let mut forecast = Self { vehicle, confidence: spec.confidence, surroundings, start: None };
         let mut state = (Front::new(), sensed.twist);
         let mut time = spec.latency - targets.len().saturating_sub(1) as f64 * vehicle.control_period;

@@ -1,6 +1,6 @@
 //! What a vehicle's outline sweeps over, against what its scan shows.
 
-use headway_sim::{Pose, Shape, Twist, arc};
+use headway_sim::{Pose, Shape, Twist, arc, wrap};
 use nalgebra::{Rotation2, Vector2};
 
 use crate::Sensed;
@@ -65,21 +65,81 @@ pub(crate) struct Echo {
     pub(crate) spacing: f64,
 }
 
+/// The range of a beam; the lidar's greatest where it met nothing or says nothing.
+fn range_of(sensed: &Sensed<'_>, beam: usize) -> f64 {
+    let range = f64::from(sensed.scan[beam]);
+    if range > 0.0 && range < sensed.max_range { range } else { sensed.max_range }
+}
+
+/// Where a beam ends, if that may matter within `reach` metres of the origin.
+fn end_of(sensed: &Sensed<'_>, beam: usize, reach: f64) -> Option<Echo> {
+    let (range, angles) = (range_of(sensed, beam), sensed.beam_angles);
+    let gap =
+        |other: Option<usize>| other.and_then(|k| angles.get(k)).map_or(f64::INFINITY, |k| (k - angles[beam]).abs());
+    let gap = gap(Some(beam + 1)).min(gap(beam.checked_sub(1)));
+    let spacing = if gap < NEIGHBOURS { range * gap / 2.0 } else { 0.0 };
+    (range - spacing < reach).then(|| Echo { at: along(angles[beam]) * range, spacing })
+}
+
+fn along(angle: f64) -> Vector2<f64> {
+    let (sin, cos) = angle.sin_cos();
+    Vector2::new(cos, sin)
+}
+
 /// The echoes that may matter within `reach` metres of the origin. Beams that end at the lidar's greatest range or beyond,
 /// and ranges that are not above 0, are none.
 pub(crate) fn echoes<'a>(sensed: &Sensed<'a>, reach: f64) -> impl Iterator<Item = Echo> + use<'a> {
-    let (angles, max_range) = (sensed.beam_angles, sensed.max_range);
-    sensed.scan.iter().zip(angles).enumerate().filter_map(move |(index, (range, angle))| {
-        let range = f64::from(*range);
-        if !(range > 0.0 && range < max_range) {
-            return None;
+    let sensed = *sensed;
+    let is_echo = move |beam: &usize| range_of(&sensed, *beam) < sensed.max_range;
+    (0..n_beams(&sensed)).filter(is_echo).filter_map(move |beam| end_of(&sensed, beam, reach))
+}
+
+fn n_beams(sensed: &Sensed<'_>) -> usize {
+    sensed.scan.len().min(sensed.beam_angles.len())
+}
+
+/// The border of what is seen, as points `apart` metres from each other at most: the ends of all beams, and straight lines between
+/// those of neighbours; as far as it may matter within `reach` metres of the origin.
+///
+/// Where one beam ends on something and the next passes by it, the line between the two is the edge of its shadow.
+fn border(sensed: &Sensed<'_>, reach: f64, apart: f64) -> Vec<Echo> {
+    let n = n_beams(sensed);
+    let mut points = Vec::new();
+    let end = |beam: usize| (range_of(sensed, beam), end_of(sensed, beam, reach));
+    let Some(last) = n.checked_sub(1) else { return points };
+    let mut before = (last, end(last));
+    for beam in 0..n {
+        let now = (beam, end(beam));
+        points.extend(now.1.1);
+        let is_neighbour = wrap(sensed.beam_angles[beam] - sensed.beam_angles[before.0]).abs() < NEIGHBOURS;
+        if is_neighbour && n > 1 {
+            let (near, far) = if now.1.0 < before.1.0 { (now, before) } else { (before, now) };
+            if let Some(from) = near.1.1 {
+                let to = far.1.1.map_or_else(|| along(sensed.beam_angles[far.0]) * far.1.0, |far| far.at);
+                fill(&mut points, from, to, reach, apart);
+            }
         }
-        let gap = |other: usize| angles.get(other).map_or(f64::INFINITY, |other| (other - angle).abs());
-        let gap = gap(index + 1).min(if index > 0 { gap(index - 1) } else { f64::INFINITY });
-        let spacing = if gap < 1.0 { range * gap / 2.0 } else { 0.0 };
-        let (sin, cos) = if range - spacing < reach { angle.sin_cos() } else { return None };
-        Some(Echo { at: Vector2::new(cos, sin) * range, spacing })
-    })
+        before = now;
+    }
+    points
+}
+
+/// Points on the way from an echo to one farther off, ends excluded, up to `reach` metres from the origin.
+fn fill(points: &mut Vec<Echo>, from: Echo, to: Vector2<f64>, reach: f64, apart: f64) {
+    let way = to - from.at;
+    let n = (way.norm() / apart).ceil();
+    let on_the_way = (1..n as usize).map(|k| Echo { at: from.at + way * (k as f64 / n), spacing: from.spacing });
+    points.extend(on_the_way.take_while(|point| point.at.norm() < reach));
+}
+
+/// Beams less than this apart, radians, have nothing between them but what both see; what lies between others is not seen.
+const NEIGHBOURS: f64 = 1.0;
+
+/// What to think of places that are hidden behind something, or lie beyond the lidar's greatest range.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Unseen {
+    Free,
+    Blocked,
 }
 
 /// How far a sweep has come.
@@ -107,8 +167,6 @@ pub(crate) struct Surroundings {
     echoes: Vec<(Vector2<f64>, f64, f64)>,
     /// Growth of the distance to keep per metre moved.
     noise: f64,
-    /// The farthest that the vehicle may go, metres: to where it sees.
-    horizon: f64,
     /// Between two looks, metres.
     step: f64,
 }
@@ -119,21 +177,20 @@ impl Surroundings {
     ///
     /// A vehicle that is nearer to something already may stay as near, but not come nearer than half the margin; and where
     /// it is nearer than that, no nearer at all. Echoes deeper inside the outline than the margin are its own.
-    pub(crate) fn new(sensed: &Sensed<'_>, reach: f64, margin: f64, noise: f64) -> Self {
+    pub(crate) fn new(sensed: &Sensed<'_>, unseen: Unseen, reach: f64, margin: f64, noise: f64) -> Self {
         let outline = Outline::new(&sensed.vehicle.footprint);
         let reach = reach * (1.0 + noise) + outline.circumradius + margin;
+        let around = match unseen {
+            Unseen::Free => echoes(sensed, reach).collect(),
+            Unseen::Blocked => border(sensed, reach, margin / 2.0),
+        };
         let now = |echo: Echo| (echo, outline.height(&echo.at));
-        let near: Vec<_> = echoes(sensed, reach).map(now).filter(|(_, height)| *height > -margin).collect();
+        let near: Vec<_> = around.into_iter().map(now).filter(|(_, height)| *height > -margin).collect();
         let nearest = near.iter().map(|(echo, height)| height - echo.spacing).fold(margin, f64::min);
         let keep = nearest.max(margin / 2.0);
         let echoes = near.into_iter().map(|(echo, height)| (echo.at, keep + echo.spacing, height)).collect();
-        let horizon = if sensed.scan.is_empty() {
-            f64::INFINITY
-        } else {
-            (sensed.max_range - outline.circumradius - margin).max(0.0)
-        };
         let step = nearest.clamp(margin / 16.0, margin) / 4.0;
-        Self { outline, echoes, noise, horizon, step }
+        Self { outline, echoes, noise, step }
     }
 
     /// Whether the outline stays clear of the echoes while it moves on from `front` at a constant twist for `time` seconds.
@@ -151,7 +208,7 @@ impl Surroundings {
             front.pose = moved(&start, twist, time * done / length);
             let room = self.room(front);
             // What is as far as it was has no room; a micrometre is rounding.
-            if room < -1e-6 || front.pose.translation.vector.norm() > self.horizon {
+            if room < -1e-6 {
                 return false;
             }
             front.credit = room.max(0.0) / (1.0 + self.noise);
@@ -162,7 +219,7 @@ impl Surroundings {
         front.credit -= length - done;
         front.travelled += length - done;
         front.pose = moved(&start, twist, time);
-        front.pose.translation.vector.norm() <= self.horizon
+        true
     }
 
     /// How much nearer the outline may come to the echoes, metres.
@@ -218,14 +275,14 @@ mod tests {
         let vehicle = boxed();
         let free = |range: f32, angle: f64, twist: Twist, time: f64| {
             let (scan, angles) = ([range], [angle]);
-            let surroundings = Surroundings::new(&sensed(&vehicle, &scan, &angles), 4.0, 0.05, 0.0);
+            let surroundings = Surroundings::new(&sensed(&vehicle, &scan, &angles), Unseen::Blocked, 5.0, 0.05, 0.0);
             surroundings.is_free_along(&mut Front::new(), &twist, time)
         };
         let ahead = Twist::new(1.0, 0.0, 0.0);
         // Something 1 m ahead: the front, 0.3 m ahead, may come to 0.95 m.
         assert!(free(1.0, 0.0, ahead, 0.649) && !free(1.0, 0.0, ahead, 0.651));
-        // Nothing is seen, but only up to 5 m: the corners' circle has to end there.
-        let most = 5.0 - 0.05 - 0.3_f64.hypot(0.2);
+        // Nothing is there, but only up to 5 m.
+        let most = 5.0 - 0.3 - 0.05;
         assert!(free(5.0, 0.0, ahead, most - 0.01) && !free(5.0, 0.0, ahead, most + 0.01));
         // The corners, 0.36 m away, sweep over what lies abeam of the flank, and miss it farther out.
         let turn = Twist::new(0.0, 0.0, 1.0);
@@ -235,11 +292,29 @@ mod tests {
         assert!(free(1.0, FRAC_PI_2, left, 0.749) && !free(1.0, FRAC_PI_2, left, 0.751));
     }
 
+    /// A wall behind a post was not seen until the vehicle had come round too fast to stop.
+    #[test]
+    fn the_shadow_of_a_post_is_not_driven_into() {
+        let vehicle = VehicleSpec::default();
+        let angles: Vec<f64> = (0..72).map(|k| f64::from(k) / 72.0 * std::f64::consts::TAU).collect();
+        // A post 1 m away, 20 to 30 degrees to the left.
+        let scan: Vec<f32> = (0..72).map(|k| if (4..=6).contains(&k) { 1.0 } else { 5.0 }).collect();
+        let free = |unseen: Unseen, yaw_rate: f64| {
+            let surroundings = Surroundings::new(&sensed(&vehicle, &scan, &angles), unseen, 4.0, 0.05, 0.0);
+            let mut front = Front::new();
+            // Past the post, and then straight on or to the left.
+            surroundings.is_free_along(&mut front, &Twist::new(1.0, 0.0, -0.3), 1.0)
+                && surroundings.is_free_along(&mut front, &Twist::new(1.0, 0.0, yaw_rate), 2.0)
+        };
+        assert!(free(Unseen::Free, 0.0) && free(Unseen::Free, 1.2));
+        assert!(free(Unseen::Blocked, 0.0) && !free(Unseen::Blocked, 1.2));
+    }
+
     #[test]
     fn what_is_nearer_than_the_margin_may_be_left_but_not_approached() {
         let vehicle = VehicleSpec::default();
         let (scan, angles) = ([0.26_f32], [0.0]);
-        let surroundings = Surroundings::new(&sensed(&vehicle, &scan, &angles), 4.0, 0.05, 0.0);
+        let surroundings = Surroundings::new(&sensed(&vehicle, &scan, &angles), Unseen::Blocked, 5.0, 0.05, 0.0);
         let free = |speed: f64| surroundings.is_free_along(&mut Front::new(), &Twist::new(speed, 0.0, 0.0), 0.2);
         assert!(free(-1.0) && !free(0.1) && free(0.0));
     }
@@ -251,7 +326,7 @@ mod tests {
             v in -2.0..2.0, w in -3.0..3.0, range in 0.5..2.0_f32, angle in -3.0..3.0, time in 0.1..1.5,
         ) {
             let (vehicle, scan, angles) = (boxed(), [range], [angle]);
-            let surroundings = Surroundings::new(&sensed(&vehicle, &scan, &angles), 4.0, 0.05, 0.0);
+            let surroundings = Surroundings::new(&sensed(&vehicle, &scan, &angles), Unseen::Blocked, 5.0, 0.05, 0.0);
             let twist = Twist::new(v, 0.0, w);
             let free = surroundings.is_free_along(&mut Front::new(), &twist, time);
             let at = Vector2::new(angle.cos(), angle.sin()) * f64::from(range);

@@ -1,6 +1,6 @@
 use super::*;
 use crate::trial::{End, Lidar, drive};
-use crate::{GridMap, Route, plan};
+use crate::{GridMap, Route, ShieldSpec, plan};
 use headway_sim::{Pose, Room, Shape, Vehicle, VehicleSpec, VehicleState, World, WorldSpec};
 
 fn driver() -> RegulatedPursuit {
@@ -99,29 +99,34 @@ fn speeds_up_no_faster_than_the_vehicle_and_keeps_the_curvature() {
     assert!((command.speed - 0.75).abs() < 1e-12 && (command.yaw_rate - 1.5).abs() < 1e-12);
 }
 
-fn n_arrivals(vehicle: &Vehicle, world: &WorldSpec, n_scenarios: u64) -> u64 {
+fn n_arrivals(vehicle: &Vehicle, world: &WorldSpec, n_scenarios: u64, driver: &mut dyn Controller) -> u64 {
     let source = world.build(vehicle.footprint()).unwrap();
     let (lidar, radius) = (Lidar::new(360, 5.0), vehicle.footprint().circumradius());
-    let arrives = |index: &u64| {
-        let scenario = source.scenario(11, *index).unwrap();
+    let mut arrives = |index: u64| {
+        let scenario = source.scenario(11, index).unwrap();
         let map = GridMap::from_world(&scenario.world, 0.1, radius + 0.1);
         let start = Point::from(scenario.start.translation.vector);
         let route = plan(&map, &start, &scenario.goal).expect("gaps are wide");
-        let end = drive(&scenario, vehicle, &lidar, Some(&route), &mut driver());
+        let end = drive(&scenario, vehicle, &lidar, Some(&route), driver);
         assert_ne!(end, End::Collided, "scenario {index}");
         matches!(end, End::Arrived { .. })
     };
-    (0..n_scenarios).filter(arrives).count() as u64
+    (0..n_scenarios).map(|index| u64::from(arrives(index))).sum()
 }
 
+/// With and without a shield, which must not keep it from arriving.
 #[test]
 fn drives_along_planned_routes() {
     let disc = VehicleSpec::default().build().unwrap();
-    assert_eq!(n_arrivals(&disc, &WorldSpec::Room10x15 {}, 20), 20);
-    assert_eq!(n_arrivals(&disc, &WorldSpec::Room25x25 {}, 5), 5);
     let footprint = Shape::Box { length: 0.46, width: 0.42 };
     let boxed = VehicleSpec { footprint, ..VehicleSpec::default() }.build().unwrap();
-    assert_eq!(n_arrivals(&boxed, &WorldSpec::Room10x15 {}, 20), 20);
+    let mut shielded = ShieldSpec::default().build(driver()).unwrap();
+    for driver in [&mut driver() as &mut dyn Controller, &mut shielded] {
+        assert_eq!(n_arrivals(&disc, &WorldSpec::Room10x15 {}, 20, driver), 20);
+        assert_eq!(n_arrivals(&disc, &WorldSpec::Room25x25 {}, 4, driver), 4);
+        assert_eq!(n_arrivals(&boxed, &WorldSpec::Room10x15 {}, 20, driver), 20);
+    }
+    assert!(shielded.n_vetoes() * 20 < shielded.n_commands(), "{shielded:?}");
 }
 
 #[test]

@@ -83,7 +83,7 @@ fn footprint(kind: usize) -> Shape {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(96))]
+    #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
     fn nothing_is_ever_hit(
@@ -104,7 +104,7 @@ proptest! {
         let mut shield = spec.build(reckless(seed)).unwrap();
         let start = VehicleState::at_rest(scenario.start);
         let lidar = Lidar::new(n_beams, 8.0);
-        let driven = drive(&scenario.world, &vehicle, &lidar, start, &mut shield, (150, n_late));
+        let driven = drive(&scenario.world, &vehicle, &lidar, start, &mut shield, (100, n_late));
         prop_assert!(driven.is_ok(), "hit at {}", driven.unwrap_err());
     }
 
