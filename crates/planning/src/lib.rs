@@ -1,4 +1,5 @@
-//! Who drives and by which route: the [`Controller`] seam, grid maps, A* search, and pure pursuit.
+//! Who drives and by which route: the [`Controller`] seam, grid maps, A* search, pure pursuit (plain and
+//! regulated), VFH+, and a braking shield around any driver.
 //!
 //! The crate knows no reward and no learning. A [`Controller`] turns what a vehicle perceives
 //! ([`Sensed`]) into a [`headway_sim::Command`]; learned policies and classical planners are the same to

@@ -21,7 +21,7 @@ pub struct RegulatedPursuitSpec {
     pub lookahead_time: f64,
     /// Least look-ahead distance, metres.
     pub min_lookahead_dist: f64,
-    /// Greatest look-ahead distance, metres.
+    /// Greatest look-ahead distance, metres, from the least one to 1000.
     pub max_lookahead_dist: f64,
     /// Radius of the arc ahead below which it slows down, metres.
     pub regulated_linear_scaling_min_radius: f64,
@@ -97,7 +97,7 @@ impl RegulatedPursuitSpec {
         ] {
             non_negative(field, value)?;
         }
-        within("max_lookahead_dist", self.max_lookahead_dist, self.min_lookahead_dist, f64::MAX)?;
+        within("max_lookahead_dist", self.max_lookahead_dist, self.min_lookahead_dist, 1e3)?;
         within("cost_scaling_gain", self.cost_scaling_gain, 0.0, 1.0)?;
         within("rotate_to_heading_min_angle", self.rotate_to_heading_min_angle, 0.1, PI)?;
         within("max_allowed_time_to_collision", self.max_allowed_time_to_collision, 0.0, 10.0)?;
@@ -109,17 +109,18 @@ impl RegulatedPursuitSpec {
 /// Pure pursuit whose speed falls where the way bends, where things are near and where it ends (Macenski, Singh, Martin
 /// and Gines 2023, "Regulated Pure Pursuit for Robot Path Tracking").
 ///
-/// It steers for the point of the route (of the straight line to the goal, where there is none) that lies the look-ahead
-/// distance beyond the vehicle's place on it, `L = v t` within its bounds. The arc there has the curvature `k = 2 sin(a) / L`
-/// and the speed is the least of
+/// It steers for the point of the route (of the straight line to the goal, where there is none) that lies the
+/// look-ahead distance beyond the vehicle's place on it, `L = v t` within its bounds. The arc there has the curvature
+/// `k = 2 sin(a) / L` and the speed is the least of
 ///
 /// - `v_d / (k r_min)` where the arc's radius is below `r_min`,
 /// - `v_d gain d / d_prox` where the clearance `d` is below `d_prox`, neither below the least regulated speed,
 /// - `v_d s / s_approach` where `s` metres are left, not below the least approach speed;
 ///
 /// changed by no more than the vehicle's acceleration allows within a period, and such that the yaw rate is one it has.
-/// A point too far aside is turned to on the spot. Where the arc of the next second, or up to the point ahead, touches what the scan
-/// shows, it stops, and turns towards the point if it can: Nav2 gives such a way up and leaves it to its recoveries.
+/// A point too far aside is turned to on the spot. Where the arc of the next second, or up to the point ahead, touches
+/// what the scan shows, it stops, and turns towards the point if it can: Nav2 gives such a way up and leaves it to its
+/// recoveries.
 #[derive(Debug, Clone)]
 pub struct RegulatedPursuit {
     spec: RegulatedPursuitSpec,

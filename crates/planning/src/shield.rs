@@ -13,8 +13,8 @@ use crate::{Controller, Sensed};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ShieldSpec {
-    /// Distance to keep from what the scan shows, metres, from 0.001 to 10: for range noise and what is not modelled. Half
-    /// the beams' spacing at their range is added to it.
+    /// Distance to keep from what the scan shows, metres, from 0.001 to 10: for range noise and what is not modelled.
+    /// Half the beams' spacing at their range is added to it.
     pub margin: f64,
     /// The share of the vehicle's greatest deceleration that braking is sure to give, from 0.1 to 1.
     pub confidence: f64,
@@ -54,30 +54,31 @@ impl ShieldSpec {
     }
 }
 
-/// A driver that another one drives through: it passes commands on only if the vehicle can still stop afterwards without
-/// touching anything that the scan shows.
+/// A driver that another one drives through: it passes commands on only if the vehicle can still stop afterwards
+/// without touching anything that the scan shows.
 ///
 /// **What is looked at.** The commands under way for `latency` seconds, then the new one for a control period, as
-/// [`headway_sim::Vehicle::step`] would carry them out; then braking to a standstill, yaw rate included, in three ways that
-/// bound all others: as fast as the vehicle can, which is what it will do; at `confidence` of that while its curvature
-/// stays as it is; and at `confidence` of that while its yaw rate falls as fast as it can. Over all this the outline,
-/// `margin` larger, must hold no echo. Turns on the spot are looked at in the same way: a box's corners sweep.
+/// [`headway_sim::Vehicle::step`] would carry them out; then braking to a standstill, yaw rate included, in three ways
+/// that bound all others: as fast as the vehicle can, which is what it will do; at `confidence` of that while its
+/// curvature stays as it is; and at `confidence` of that while its yaw rate falls as fast as it can. Over all this the
+/// outline, `margin` larger, must hold no echo. Turns on the spot are looked at in the same way: a box's corners sweep.
 ///
-/// **What happens otherwise.** Gentler commands are tried, the nearest first: slower along the same curve, turned by up to
-/// half the greatest yaw rate, turning on the spot. If none will do, it brakes.
+/// **What happens otherwise.** Gentler commands are tried, the nearest first: slower along the same curve, turned by up
+/// to half the greatest yaw rate, turning on the spot. If none will do, it brakes.
 ///
-/// **Why that is safe.** A vehicle at rest is safe. A command passes only with a way to stop behind it; if nothing passes in
-/// the next period, braking goes exactly that way, of which a part is then behind it. By induction there is such a way at
-/// all times, as long as the world stands still, the vehicle does what is expected of it (within `noise`), and the scan shows what is there
-/// (within `margin`).
+/// **Why that is safe.** A vehicle at rest is safe. A command passes only with a way to stop behind it; if nothing
+/// passes in the next period, braking goes exactly that way, of which a part is then behind it. By induction there is
+/// such a way at all times, as long as the world stands still, the vehicle does what is expected of it (within
+/// `noise`), and the scan shows what is there (within `margin`).
 ///
-/// **What is not seen.** The outline may not enter what is hidden behind something, nor leave the lidar's greatest range: the border
-/// of what is seen counts as an echo all along, so that the vehicle can stop for whatever lies just beyond. Directions in which no beam
-/// looks, as behind a lidar of 270 degrees, count as free: reversing is guarded by beams that look back, or not at
-/// all. A scan without beams lets everything pass. Sideways speed in commands counts as 0.
+/// **What is not seen.** The outline may not enter what is hidden behind something, nor leave the lidar's greatest
+/// range: the border of what is seen counts as an echo all along, so that the vehicle can stop for whatever lies just
+/// beyond. Directions in which no beam looks, as behind a lidar of 270 degrees, count as free: reversing is guarded by
+/// beams that look back, or not at all. A scan without beams lets everything pass. Sideways speed is taken out of
+/// commands: it is not foreseen.
 ///
-/// Gaps narrower than the outline and two margins are not driven through. A vehicle that starts nearer to something than the margin may
-/// keep the distance, but come no nearer than half the margin; see [`ShieldSpec`].
+/// Gaps narrower than the outline and two margins are not driven through. A vehicle that starts nearer to something
+/// than the margin may keep the distance, but come no nearer than half the margin; see [`ShieldSpec`].
 #[derive(Debug, Clone)]
 pub struct Shield<C> {
     spec: ShieldSpec,
@@ -89,7 +90,8 @@ pub struct Shield<C> {
     n_stops: u64,
 }
 
-/// Shares of the speed, and turns in shares of the greatest yaw rate added towards the straight, of the commands tried instead of a vetoed one.
+/// Shares of the speed, and turns in shares of the greatest yaw rate added towards the straight, of the commands tried
+/// instead of a vetoed one.
 const GENTLER: [(f64, f64); 16] = [
     (0.75, 0.0),
     (1.0, 0.25),
@@ -139,7 +141,7 @@ impl<C> Shield<C> {
         let forecast = Forecast::new(&self.spec, sensed, &self.under_way, &target);
         // Braking needs no leave: it is what was looked at a period ago.
         if sensed.scan.is_empty() || target == Twist::zeros() || forecast.is_safe(&target) {
-            return asked;
+            return Command { lateral_speed: 0.0, ..asked };
         }
         self.n_vetoes += 1;
         let found =

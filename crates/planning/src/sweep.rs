@@ -47,8 +47,8 @@ impl Outline {
         if self.edges.is_empty() { 0.0 } else { self.circumradius }
     }
 
-    /// The distance from the outline to a point, metres, negative inside; beside a corner the distance to the farther of
-    /// its two edges' lines, which is less than that to the corner.
+    /// The distance from the outline to a point, metres, negative inside; beside a corner the distance to the farther
+    /// of its two edges' lines, which is less than that to the corner.
     pub(crate) fn height(&self, point: &Vector2<f64>) -> f64 {
         if self.edges.is_empty() {
             return point.norm() - self.circumradius;
@@ -61,7 +61,8 @@ impl Outline {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Echo {
     pub(crate) at: Vector2<f64>,
-    /// Half the distance to a neighbouring beam at this range, metres: what lies between beams belongs to the nearer one.
+    /// Half the distance to a neighbouring beam at this range, metres: what lies between beams belongs to the nearer
+    /// one.
     pub(crate) spacing: f64,
 }
 
@@ -86,8 +87,8 @@ fn along(angle: f64) -> Vector2<f64> {
     Vector2::new(cos, sin)
 }
 
-/// The echoes that may matter within `reach` metres of the origin. Beams that end at the lidar's greatest range or beyond,
-/// and ranges that are not above 0, are none.
+/// The echoes that may matter within `reach` metres of the origin. Beams that end at the lidar's greatest range or
+/// beyond, and ranges that are not above 0, are none.
 pub(crate) fn echoes<'a>(sensed: &Sensed<'a>, reach: f64) -> impl Iterator<Item = Echo> + use<'a> {
     let sensed = *sensed;
     let is_echo = move |beam: &usize| range_of(&sensed, *beam) < sensed.max_range;
@@ -98,8 +99,8 @@ fn n_beams(sensed: &Sensed<'_>) -> usize {
     sensed.scan.len().min(sensed.beam_angles.len())
 }
 
-/// The border of what is seen, as points `apart` metres from each other at most: the ends of all beams, and straight lines between
-/// those of neighbours; as far as it may matter within `reach` metres of the origin.
+/// The border of what is seen, as points `apart` metres from each other at most: the ends of all beams, and straight
+/// lines between those of neighbours; as far as it may matter within `reach` metres of the origin.
 ///
 /// Where one beam ends on something and the next passes by it, the line between the two is the edge of its shadow.
 fn border(sensed: &Sensed<'_>, reach: f64, apart: f64) -> Vec<Echo> {
@@ -132,7 +133,8 @@ fn fill(points: &mut Vec<Echo>, from: Echo, to: Vector2<f64>, reach: f64, apart:
     points.extend(on_the_way.take_while(|point| point.at.norm() < reach));
 }
 
-/// Beams less than this apart, radians, have nothing between them but what both see; what lies between others is not seen.
+/// Beams less than this apart, radians, have nothing between them but what both see; what lies between others is not
+/// seen.
 const NEIGHBOURS: f64 = 1.0;
 
 /// What to think of places that are hidden behind something, or lie beyond the lidar's greatest range.
@@ -175,8 +177,8 @@ impl Surroundings {
     /// What stands within `reach` metres of the vehicle's origin; `margin` metres are to be kept from it, and
     /// `noise` metres more for each metre moved.
     ///
-    /// A vehicle that is nearer to something already may stay as near, but not come nearer than half the margin; and where
-    /// it is nearer than that, no nearer at all. Echoes deeper inside the outline than the margin are its own.
+    /// A vehicle that is nearer to something already may stay as near, but not come nearer than half the margin; and
+    /// where it is nearer than that, no nearer at all. Echoes deeper inside the outline than the margin are its own.
     pub(crate) fn new(sensed: &Sensed<'_>, unseen: Unseen, reach: f64, margin: f64, noise: f64) -> Self {
         let outline = Outline::new(&sensed.vehicle.footprint);
         let reach = reach * (1.0 + noise) + outline.circumradius + margin;
@@ -193,10 +195,11 @@ impl Surroundings {
         Self { outline, echoes, noise, step }
     }
 
-    /// Whether the outline stays clear of the echoes while it moves on from `front` at a constant twist for `time` seconds.
+    /// Whether the outline stays clear of the echoes while it moves on from `front` at a constant twist for `time`
+    /// seconds.
     ///
-    /// Looks only where the way since the last look exceeds what was free then (conservative advancement, Mirtich 1996),
-    /// every quarter of the margin at most.
+    /// Looks only where the way since the last look exceeds what was free then (conservative advancement, Mirtich
+    /// 1996), every quarter of the margin at most.
     pub(crate) fn is_free_along(&self, front: &mut Front, twist: &Twist, time: f64) -> bool {
         let pace = twist.xy().norm() + twist.z.abs() * self.outline.turning_radius();
         let (start, length) = (front.pose, pace * time);

@@ -23,15 +23,15 @@ pub struct VfhSpec {
     pub safety_distance: f64,
     /// Distance within which something blocks its sectors, metres.
     pub blocked_within: f64,
-    /// Distance beyond which sectors that were blocked are free again, metres; not less than `blocked_within`.
+    /// Distance beyond which sectors that were blocked are free again, metres; from `blocked_within` to 1000.
     pub free_beyond: f64,
     /// Sectors of free directions from which on a valley is wide: 16, 80 degrees.
     pub n_wide: usize,
-    /// mu1: cost per sector between a direction and the target's.
+    /// mu1: weight of the angle between a direction and the target's.
     pub target_weight: f64,
-    /// mu2: cost per sector between a direction and the vehicle's heading.
+    /// mu2: weight of the angle between a direction and the vehicle's heading.
     pub heading_weight: f64,
-    /// mu3: cost per sector between a direction and the one chosen before.
+    /// mu3: weight of the angle between a direction and the one chosen before.
     pub previous_weight: f64,
     /// How far ahead on a route the target lies, metres.
     pub lookahead: f64,
@@ -96,30 +96,31 @@ impl VfhSpec {
         ] {
             non_negative(field, value)?;
         }
-        within("free_beyond", self.free_beyond, self.blocked_within, f64::MAX)?;
+        within("free_beyond", self.free_beyond, self.blocked_within, 1e3)?;
         within("turn_angle", self.turn_angle, 0.1, PI)?;
         let blocked = vec![false; self.n_sectors];
         Ok(Vfh { spec: *self, blocked, previous: None })
     }
 }
 
-/// A driver that picks a free direction near the goal's (Ulrich and Borenstein 1998, "VFH+: Reliable Obstacle Avoidance for
-/// Fast Mobile Robots"), from the scan alone and without a map.
+/// A driver that picks a free direction near the goal's (Ulrich and Borenstein 1998, "VFH+: Reliable Obstacle Avoidance
+/// for Fast Mobile Robots"), from the scan alone and without a map.
 ///
-/// 1. *Polar histogram*, over directions of the world: every echo within reach blocks the directions in which the vehicle, grown
-///    by the safety distance to a disc of radius `r`, would touch it: `asin(r / d)` to both sides. Here a sector holds the distance of its
-///    nearest echo: with exact ranges the paper's magnitude, `a - b d^2` per echo, says the same, but its sum depends on the number of
-///    beams. What lies beyond the target does not count.
+/// 1. *Polar histogram*, over directions of the world: every echo within reach blocks the directions in which the
+///    vehicle, grown by the safety distance to a disc of radius `r`, would touch it: `asin(r / d)` to both sides. Here
+///    a sector holds the distance of its nearest echo: with exact ranges the paper's magnitude, `a - b d^2` per echo,
+///    says the same, but its sum depends on the number of beams. What lies beyond the target does not count.
 /// 2. *Binary histogram*: sectors are blocked from `blocked_within` on, and free again from `free_beyond` on.
-/// 3. *Masked histogram*: directions behind things that the vehicle, which turns no tighter than `|v|` / greatest yaw rate, would touch while
-///    turning there are blocked too. Slower than 5 cm/s it turns on the spot, and nothing is masked.
-/// 4. *Candidates*: the middle of a narrow valley; of a wide one its two edges, half of `n_wide` sectors inside, and the
-///    target's direction where it lies between. The cheapest is taken, by `mu1 D(c, target) + mu2 D(c, heading) + mu3 D(c, previous)`.
-///    If all is blocked: the direction whose nearest echo is the farthest.
+/// 3. *Masked histogram*: directions behind things that the vehicle, which turns no tighter than `|v|` / greatest yaw
+///    rate, would touch while turning there are blocked too. Slower than 5 cm/s it turns on the spot, and nothing is
+///    masked.
+/// 4. *Candidates*: the middle of a narrow valley; of a wide one its two edges, half of `n_wide` sectors inside, and
+///    the target's direction where it lies between. The cheapest is taken, by `mu1 D(c, target) + mu2 D(c, heading) +
+///    mu3 D(c, previous)`. If all is blocked: the direction whose nearest echo is the farthest.
 ///
 /// The vehicle turns towards the direction `b` in proportion, on the spot beyond `turn_angle`, and otherwise drives at
-/// `cruise_speed (1 - |b| / turn_angle)`, but no faster than it can brake with half its greatest deceleration to the safety distance before what lies
-/// in the strip ahead that it is going to sweep, and to the goal: `v^2 <= a s`.
+/// `cruise_speed (1 - |b| / turn_angle)`, but no faster than it can brake with half its greatest deceleration to the
+/// safety distance before what lies in the strip ahead that it is going to sweep, and to the goal: `v^2 <= a s`.
 ///
 /// The target is the point `lookahead` metres along on the route, or the goal.
 ///

@@ -92,10 +92,10 @@ proptest! {
         n_beams in 360..=720_usize,
         n_late in 0..3_usize,
         confidence in 0.5..=1.0,
-        (max_speed, acceleration, reverse) in (0.5..3.0, 0.5..4.0, 0.0..1.0),
+        (max_speed, max_acceleration, max_reverse_speed) in (0.5..3.0, 0.5..4.0, 0.0..1.0),
         control_period in 0.05..0.3,
     ) {
-        let limits = VehicleSpec { max_speed, max_acceleration: acceleration, max_reverse_speed: reverse, ..VehicleSpec::default() };
+        let limits = VehicleSpec { max_speed, max_acceleration, max_reverse_speed, ..VehicleSpec::default() };
         let vehicle = VehicleSpec { footprint: footprint(kind), control_period, ..limits }.build().unwrap();
         let kinds = Kinds { disc: 1.0, r#box: 1.0, polygon: 1.0 };
         let room = RoomSpec { kinds, obstacle_radius: Interval::Range([0.1, 0.5]), ..RoomSpec::default() };
@@ -115,7 +115,7 @@ proptest! {
         let vehicle = VehicleSpec { footprint: footprint(kind), ..VehicleSpec::default() }.build().unwrap();
         let (lidar, state) = (Lidar::new(360, 8.0), VehicleState::at_rest(Pose::translation(6.0, 6.0)));
         let scan = lidar.scan(&world, &state.pose);
-        let command = Command { lateral_speed: 0.25, ..Command::new(speed, yaw_rate) };
+        let command = Command::new(speed, yaw_rate);
         let mut shield = ShieldSpec::default().build(Reckless::AlwaysThis(command)).unwrap();
         prop_assert_eq!(shield.command(&sensed(&vehicle, &lidar, &scan, &state)), command);
         prop_assert_eq!((shield.n_commands(), shield.n_vetoes()), (1, 0));
@@ -234,10 +234,12 @@ fn corners_are_looked_after_on_the_spot() {
 }
 
 #[test]
-fn without_beams_all_passes() {
+fn without_beams_all_passes_but_sideways_speed() {
     let vehicle = VehicleSpec::default().build().unwrap();
     let (lidar, state) = (Lidar { angles: vec![], max_range: 5.0 }, VehicleState::at_rest(Pose::identity()));
-    let mut shield = ShieldSpec::default().build(Reckless::AlwaysThis(Command::new(9.0, 9.0))).unwrap();
+    let mut shield = ShieldSpec::default()
+        .build(Reckless::AlwaysThis(Command { lateral_speed: 1.0, ..Command::new(9.0, 9.0) }))
+        .unwrap();
     assert_eq!(shield.command(&sensed(&vehicle, &lidar, &[], &state)), Command::new(9.0, 9.0));
 }
 
@@ -247,4 +249,18 @@ fn refusals_name_the_field() {
     assert_eq!(refusal(ShieldSpec { margin: 0.0, ..ShieldSpec::default() }), "margin");
     assert_eq!(refusal(ShieldSpec { confidence: f64::NAN, ..ShieldSpec::default() }), "confidence");
     assert_eq!(refusal(ShieldSpec { latency: -1.0, ..ShieldSpec::default() }), "latency");
+}
+
+/// What the tests above would find: a shield that knows nothing of a latency does not keep a vehicle safe from it.
+#[test]
+fn a_latency_that_is_not_told_is_not_braked_for() {
+    let world = World::new(Room::new(20.0, 2.0), vec![]).unwrap();
+    let vehicle = VehicleSpec { max_speed: 3.0, ..VehicleSpec::default() }.build().unwrap();
+    let start = VehicleState::at_rest(Pose::translation(2.0, 1.0));
+    let end = |latency: f64| {
+        let spec = ShieldSpec { latency, confidence: 1.0, ..ShieldSpec::default() };
+        let mut shield = spec.build(Reckless::AlwaysThis(Command::new(3.0, 0.0))).unwrap();
+        drive(&world, &vehicle, &Lidar::new(360, 8.0), start, &mut shield, (150, 3))
+    };
+    assert!(end(0.0).is_err() && end(0.6).is_ok());
 }

@@ -41,8 +41,9 @@ impl Polar {
     }
 }
 
-/// For each sector the distance of the nearest echo that a disc of radius `grown` would touch on its way along the sector's middle, or
-/// infinity: those within `asin(grown / d)` of it, or on the same side where the disc touches already.
+/// For each sector the distance of the nearest echo that a disc of radius `grown` would touch on its way along the
+/// sector's middle, or infinity: those within `asin(grown / d)` of it, or on the same side where the disc touches
+/// already.
 pub(super) fn distances(sectors: Sectors, echoes: impl Iterator<Item = Polar>, grown: f64) -> Vec<f64> {
     let mut nearest = vec![f64::INFINITY; sectors.0];
     let width = TAU / sectors.0 as f64;
@@ -58,11 +59,11 @@ pub(super) fn distances(sectors: Sectors, echoes: impl Iterator<Item = Polar>, g
     nearest
 }
 
-/// The bearings to the right and to the left up to which a vehicle can turn on circles of `radius` metres, a disc of radius `grown`
-/// around it touching nothing; echoes in the vehicle's frame.
+/// The bearings to the right and to the left up to which a vehicle can turn on circles of `radius` metres, a disc of
+/// radius `grown` around it touching nothing; echoes in the vehicle's frame.
 ///
-/// An echo to the left that lies within `radius + grown` of the left circle's centre stands in the way of all directions
-/// beyond it, and likewise to the right.
+/// An echo to the left that lies within `radius + grown` of the left circle's centre stands in the way of all
+/// directions beyond it, and likewise to the right.
 pub(super) fn reachable(echoes: &[Polar], radius: f64, grown: f64) -> [f64; 2] {
     let mut limits = [-PI, PI];
     for echo in echoes {
@@ -138,7 +139,8 @@ mod tests {
 
     #[test]
     fn turning_circles_by_hand() {
-        // Circles of 1 m and a disc of 0.3 m: (0, 2.2) lies 1.2 m from (0, 1), in the way; (0, -2.4) lies 1.4 m from (0, -1).
+        // Circles of 1 m and a disc of 0.3 m: (0, 2.2) lies 1.2 m from (0, 1), in the way; (0, -2.4) lies 1.4 m from
+        // (0, -1).
         let at = |x: f64, y: f64| Polar::of(&Vector2::new(x, y));
         let [right, left] = reachable(&[at(0.0, 2.2), at(0.0, -2.4)], 1.0, 0.3);
         assert_eq!((right, left), (-PI, FRAC_PI_2));

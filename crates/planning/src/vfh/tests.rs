@@ -24,8 +24,9 @@ fn drives_straight_where_nothing_is_in_the_way() {
 
 #[test]
 fn passes_one_obstacle_on_the_cheaper_side() {
-    // 1 m away, 10 degrees to the left, blocking asin(0.35) = 20.5 degrees to both sides: sectors -10 to 30 degrees. The
-    // valley's edge to the right is -15 degrees, its candidate 8 sectors inside: -55 degrees, more than 45: a turn on the spot.
+    // 1 m away, 10 degrees to the left, blocking asin(0.35) = 20.5 degrees to both sides: sectors -10 to 30 degrees.
+    // The valley's edge to the right is -15 degrees, its candidate 8 sectors inside: -55 degrees, more than 45: a turn
+    // on the spot.
     let command = command_with(&mut driver(), &[(10.0, 1.0)], 0.0);
     assert_eq!(command, Command::new(0.0, -1.5));
     // Mirrored.
@@ -34,7 +35,8 @@ fn passes_one_obstacle_on_the_cheaper_side() {
 
 #[test]
 fn a_gap_is_driven_through_in_its_middle() {
-    // Two posts 1 m away at 30 degrees to both sides block 10 to 50 degrees: one narrow valley from -5 to 5 degrees, and a wide one behind.
+    // Two posts 1 m away at 30 degrees to both sides block 10 to 50 degrees: one narrow valley from -5 to 5 degrees,
+    // and a wide one behind.
     let command = command_with(&mut driver(), &[(30.0, 1.0), (-30.0, 1.0)], 0.0);
     assert!(command.yaw_rate.abs() < 1e-9 && command.speed > 0.9, "{command:?}");
 }
