@@ -1,4 +1,5 @@
-//! Who drives and by which route: the [`Controller`] seam, grid maps, A* search, and pure pursuit.
+//! Who drives and by which route: the [`Controller`] seam, grid maps, A* search, pure pursuit (plain and
+//! regulated), VFH+, and a braking shield around any driver.
 //!
 //! The crate knows no reward and no learning. A [`Controller`] turns what a vehicle perceives
 //! ([`Sensed`]) into a [`headway_sim::Command`]; learned policies and classical planners are the same to
@@ -20,11 +21,20 @@
 mod controller;
 mod grid;
 mod pure_pursuit;
+mod regulated_pursuit;
 mod route;
 mod search;
+mod shield;
+mod sweep;
+#[cfg(test)]
+mod trial;
+mod vfh;
 
 pub use controller::{Controller, Sensed};
 pub use grid::GridMap;
 pub use pure_pursuit::PurePursuit;
+pub use regulated_pursuit::{RegulatedPursuit, RegulatedPursuitSpec};
 pub use route::Route;
 pub use search::plan;
+pub use shield::{Shield, ShieldSpec};
+pub use vfh::{Vfh, VfhSpec};
