@@ -18,13 +18,17 @@
 //! ```
 
 mod controller;
+mod costmap;
 mod grid;
 mod pure_pursuit;
 mod route;
+mod scan_map;
 mod search;
 
 pub use controller::{Controller, Sensed};
+pub use costmap::{Costmap, CostmapSpec, INSCRIBED, LETHAL};
 pub use grid::GridMap;
 pub use pure_pursuit::PurePursuit;
 pub use route::Route;
+pub use scan_map::{CellState, ScanMap, ScanMapSpec};
 pub use search::plan;
