@@ -20,15 +20,22 @@
 mod controller;
 mod costmap;
 mod grid;
+mod planned;
 mod pure_pursuit;
 mod route;
 mod scan_map;
+mod scan_planner;
 mod search;
 
 pub use controller::{Controller, Sensed};
 pub use costmap::{Costmap, CostmapSpec, INSCRIBED, LETHAL};
 pub use grid::GridMap;
+pub use planned::Planned;
 pub use pure_pursuit::PurePursuit;
 pub use route::Route;
 pub use scan_map::{CellState, ScanMap, ScanMapSpec};
+pub use scan_planner::{ScanPlanner, ScanPlannerSpec};
 pub use search::plan;
+
+#[cfg(test)]
+mod test_drive;
