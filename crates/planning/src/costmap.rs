@@ -6,7 +6,7 @@ mod outline;
 use std::collections::VecDeque;
 
 use headway_sim::check::{non_negative, positive, within};
-use headway_sim::{FieldError, Point, Pose, Shape};
+use headway_sim::{FieldError, Footprint, Point, Pose, Shape};
 use serde::{Deserialize, Serialize};
 
 use crate::scan_map::{Area, Window};
@@ -20,12 +20,14 @@ pub const LETHAL: u8 = 254;
 pub const INSCRIBED: u8 = 253;
 
 /// How a [`Costmap`] is made, as data.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CostmapSpec {
     /// The map of marks below.
     pub map: ScanMapSpec,
-    /// By how much the footprint is made larger, metres.
+    /// The outline to plan with; the vehicle's own where there is none.
+    pub footprint: Option<Shape>,
+    /// By how much that is made larger, metres.
     pub padding: f64,
     /// Distance from marks within which a cell costs something, metres; never less than the padded footprint's
     /// inscribed radius. At most 200 cells.
@@ -45,6 +47,7 @@ impl Default for CostmapSpec {
     fn default() -> Self {
         Self {
             map: ScanMapSpec::default(),
+            footprint: None,
             padding: 0.1,
             inflation_radius: 0.3,
             cost_scaling: 10.0,
@@ -62,6 +65,9 @@ impl CostmapSpec {
     /// Names the field that is not allowed.
     pub fn check(&self) -> Result<(), FieldError> {
         self.map.check().map_err(|e| e.under("map"))?;
+        if let Some(shape) = &self.footprint {
+            Footprint::new(shape).map_err(|e| e.under("footprint"))?;
+        }
         non_negative("padding", self.padding)?;
         within("inflation_radius", self.inflation_radius, 0.0, 200.0 * self.map.cell)?;
         positive("cost_scaling", self.cost_scaling)?;
@@ -76,7 +82,7 @@ impl CostmapSpec {
     pub fn build(&self) -> Result<Costmap, FieldError> {
         self.check()?;
         Ok(Costmap {
-            spec: *self,
+            spec: self.clone(),
             map: self.map.build()?,
             window: Window::default(),
             costs: Vec::new(),
@@ -163,6 +169,12 @@ impl Costmap {
         &self.map
     }
 
+    /// The same, with a window of its greatest extent around the vehicle.
+    pub(crate) fn around_vehicle(mut self) -> Self {
+        self.map.follow_vehicle();
+        self
+    }
+
     /// Forgets everything.
     pub fn reset(&mut self) {
         self.map.reset();
@@ -210,7 +222,8 @@ impl Costmap {
     }
 
     /// Makes the kernel of a footprint not met before.
-    fn know(&mut self, shape: &Shape) {
+    fn know(&mut self, vehicle: &Shape) {
+        let shape = self.spec.footprint.as_ref().unwrap_or(vehicle);
         if self.vehicle.as_ref().is_none_or(|vehicle| vehicle.shape != *shape) {
             let outline = Outline::new(shape, self.spec.padding);
             let kernel = Kernel::new(&self.spec, outline.inradius());

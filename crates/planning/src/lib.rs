@@ -1,4 +1,5 @@
-//! Who drives and by which route: the [`Controller`] seam, grid maps, A* search, and pure pursuit.
+//! Who drives and by which route: the [`Controller`] seam, maps from worlds and from scans, A* search, pure pursuit, and the
+//! dynamic window approach.
 //!
 //! The crate knows no reward and no learning. A [`Controller`] turns what a vehicle perceives
 //! ([`Sensed`]) into a [`headway_sim::Command`]; learned policies and classical planners are the same to
@@ -19,6 +20,7 @@
 
 mod controller;
 mod costmap;
+mod dwa;
 mod grid;
 mod planned;
 mod pure_pursuit;
@@ -29,6 +31,7 @@ mod search;
 
 pub use controller::{Controller, Sensed};
 pub use costmap::{Costmap, CostmapSpec, INSCRIBED, LETHAL};
+pub use dwa::{Dwa, DwaSpec, ObstacleCost};
 pub use grid::GridMap;
 pub use planned::Planned;
 pub use pure_pursuit::PurePursuit;

@@ -54,6 +54,7 @@ impl ScanMapSpec {
         self.check()?;
         Ok(ScanMap {
             spec: *self,
+            reach: self.raytrace_range,
             window: Window::default(),
             cells: Vec::new(),
             hits: Vec::new(),
@@ -105,6 +106,8 @@ pub enum CellState {
 #[derive(Debug, Clone)]
 pub struct ScanMap {
     spec: ScanMapSpec,
+    /// How far around the vehicle and its goal the window reaches, metres.
+    reach: f64,
     window: Window,
     /// One of the states below for each cell of the window, row by row.
     cells: Vec<u8>,
@@ -144,6 +147,11 @@ impl ScanMap {
         &self.spec
     }
 
+    /// Has the window always be of its greatest extent, with the vehicle within half a block of its middle.
+    pub(crate) fn follow_vehicle(&mut self) {
+        self.reach = self.spec.max_size;
+    }
+
     /// Forgets everything.
     pub fn reset(&mut self) {
         (self.window, self.changed) = (Window::default(), None);
@@ -178,7 +186,7 @@ impl ScanMap {
         let most = self.spec.obstacle_range.min(sensed.max_range);
         for (&range, direction) in sensed.scan.iter().zip(&self.beams.directions) {
             let range = f64::from(range);
-            if !(range >= 0.0 && range < most) {
+            if !(0.0..most).contains(&range) {
                 continue;
             }
             let end = Point::from(direction * range);
@@ -202,10 +210,10 @@ impl ScanMap {
     /// Clears the cells that beams pass through.
     fn clear(&mut self, sensed: &Sensed<'_>) {
         let Self { spec, window, cells, changed, .. } = self;
-        let origin = window.to_cells(&sensed.pose.translation.vector.into());
+        let origin = window.in_cells(&sensed.pose.translation.vector.into());
         for (&range, direction) in sensed.scan.iter().zip(&self.beams.directions) {
             let range = f64::from(range);
-            if !(range >= 0.0) {
+            if range.is_nan() || range < 0.0 {
                 continue;
             }
             let is_cut = range >= spec.raytrace_range || range >= sensed.max_range;
@@ -305,7 +313,7 @@ impl ScanMap {
 
     /// Makes the window cover the vehicle and its goal.
     fn cover(&mut self, here: &Point, goal: &Point) {
-        let next = self.window.grown(&self.spec, here, goal);
+        let next = self.window.grown(&self.spec, self.reach, here, goal);
         if next != self.window {
             let old = std::mem::replace(&mut self.window, next);
             let before = std::mem::take(&mut self.cells);

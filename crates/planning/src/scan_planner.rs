@@ -11,7 +11,7 @@ use crate::{Costmap, CostmapSpec, INSCRIBED, Route, Sensed};
 use search::{Search, Weights};
 
 /// How a [`ScanPlanner`] plans, as data.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ScanPlannerSpec {
     /// What is planned over.
@@ -73,7 +73,7 @@ impl ScanPlannerSpec {
     pub fn build(&self) -> Result<ScanPlanner, FieldError> {
         self.check()?;
         Ok(ScanPlanner {
-            spec: *self,
+            spec: self.clone(),
             costmap: self.costmap.build()?,
             weights: Weights::new(self.neutral_cost, self.cost_factor),
             search: Search::default(),

@@ -39,7 +39,7 @@ impl Outline {
 
     /// The distance from the origin to the farthest point of the outline, metres.
     pub(crate) fn circumradius(&self) -> f64 {
-        self.corners.iter().map(|corner| corner.norm()).fold(self.radius, f64::max)
+        self.corners.iter().map(nalgebra::Matrix::norm).fold(self.radius, f64::max)
     }
 
     /// Whether a point of the vehicle's frame lies within: an odd number of edges lie to its right.

@@ -82,5 +82,8 @@ fn resetting_forgets() {
     costmap.update(&sensed(&vehicle, &[1.0], &[0.0], 0.0));
     costmap.reset();
     assert_eq!(costmap.cost_at(&mark), 0);
+    let footprint = Some(Shape::Disc { radius: -1.0 });
+    let error = CostmapSpec { footprint, ..CostmapSpec::default() }.build().unwrap_err();
+    assert_eq!(error.field, "footprint.radius");
     assert!(CostmapSpec { padding: -0.1, ..CostmapSpec::default() }.build().is_err());
 }

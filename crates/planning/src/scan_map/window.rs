@@ -24,20 +24,20 @@ impl Window {
     }
 
     /// A point in units of cells, counted from the window's corner.
-    pub(crate) fn to_cells(&self, point: &Point) -> Vector2<f64> {
+    pub(crate) fn in_cells(&self, point: &Point) -> Vector2<f64> {
         point.coords / self.cell - Vector2::new(self.first[0] as f64, self.first[1] as f64)
     }
 
     /// The cell that holds a point, if it is within the window.
     pub(crate) fn cell_of(&self, point: &Point) -> Option<(usize, usize)> {
-        let at = self.to_cells(point);
+        let at = self.in_cells(point);
         let is_within = at.x >= 0.0 && at.y >= 0.0 && at.x < self.n_x as f64 && at.y < self.n_y as f64;
         is_within.then_some((at.x as usize, at.y as usize))
     }
 
     /// The cell of the window that is nearest to a point.
     pub(crate) fn nearest_cell(&self, point: &Point) -> (usize, usize) {
-        let at = self.to_cells(point);
+        let at = self.in_cells(point);
         let index = |x: f64, n: usize| (x.max(0.0) as usize).min(n.saturating_sub(1));
         (index(at.x, self.n_x), index(at.y, self.n_y))
     }
@@ -65,20 +65,20 @@ impl Window {
     }
 
     pub(crate) fn columns_near(&self, point: &Point, reach: f64) -> Range<usize> {
-        span(self.to_cells(point).x, reach / self.cell, self.n_x)
+        span(self.in_cells(point).x, reach / self.cell, self.n_x)
     }
 
     pub(crate) fn rows_near(&self, point: &Point, reach: f64) -> Range<usize> {
-        span(self.to_cells(point).y, reach / self.cell, self.n_y)
+        span(self.in_cells(point).y, reach / self.cell, self.n_y)
     }
 
-    /// A window that covers the vehicle and its goal with a raytrace range around both, by this one where it does; around
+    /// A window that covers the vehicle and its goal with `reach` metres around both, this one where it does; around
     /// the vehicle alone where that would be too much.
-    pub(super) fn grown(&self, spec: &ScanMapSpec, here: &Point, goal: &Point) -> Self {
+    pub(super) fn grown(&self, spec: &ScanMapSpec, reach: f64, here: &Point, goal: &Point) -> Self {
         let block = (1.0 / spec.cell).ceil().max(1.0);
         let axis = |k: usize, n: usize| {
             let to_blocks = |x: f64| x / (spec.cell * block);
-            let reach = spec.raytrace_range + 2.0 * spec.cell;
+            let reach = reach + 2.0 * spec.cell;
             let (low, high) = (here[k].min(goal[k]) - reach, here[k].max(goal[k]) + reach);
             let (mut low, mut high) = (to_blocks(low).floor(), to_blocks(high).ceil());
             let blocks = block as i64;
@@ -87,8 +87,7 @@ impl Window {
                 high = high.max(((self.first[k] + n as i64) / blocks) as f64);
             }
             let most = to_blocks(spec.max_size).floor().max(1.0);
-            // A goal that is not a number asks for nothing.
-            if !(high - low <= most) {
+            if high - low > most {
                 low = (to_blocks(here[k]) - most / 2.0).round();
                 high = low + most;
             }
@@ -162,15 +161,15 @@ mod tests {
     fn a_window_grows_by_blocks_and_moves_on_when_full() {
         let spec = ScanMapSpec { max_size: 20.0, ..ScanMapSpec::default() };
         let goal = Point::new(10.0, 0.5);
-        let first = Window::default().grown(&spec, &Point::new(0.5, 0.5), &goal);
+        let first = Window::default().grown(&spec, 3.0, &Point::new(0.5, 0.5), &goal);
         // From 0.5 - 3.1 to 10 + 3.1 m along x, from -2.6 to 3.6 m along y.
         assert_eq!((first.first, first.n_x, first.n_y), ([-60, -60], 340, 140));
-        assert_eq!(first.grown(&spec, &Point::new(5.0, 0.7), &goal), first);
-        let higher = first.grown(&spec, &Point::new(5.0, 1.5), &goal);
+        assert_eq!(first.grown(&spec, 3.0, &Point::new(5.0, 0.7), &goal), first);
+        let higher = first.grown(&spec, 3.0, &Point::new(5.0, 1.5), &goal);
         assert_eq!((higher.first, higher.n_y), ([-60, -60], 160));
-        let far = higher.grown(&spec, &Point::new(18.2, 1.5), &goal);
+        let far = higher.grown(&spec, 3.0, &Point::new(18.2, 1.5), &goal);
         assert_eq!((far.first[0], far.n_x), (160, 400));
-        let lost = higher.grown(&spec, &Point::new(5.0, 1.5), &Point::new(f64::NAN, 1e300));
+        let lost = higher.grown(&spec, 3.0, &Point::new(5.0, 1.5), &Point::new(f64::NAN, 1e300));
         assert_eq!((lost.n_x.max(lost.n_y)), 400);
     }
 
@@ -178,8 +177,8 @@ mod tests {
     fn what_is_known_stays_where_it_is() {
         let spec = ScanMapSpec { max_size: 8.0, ..ScanMapSpec::default() };
         let here = Point::new(0.0, 0.0);
-        let old = Window::default().grown(&spec, &here, &here);
-        let new = old.grown(&spec, &Point::new(2.0, -3.0), &here);
+        let old = Window::default().grown(&spec, 3.0, &here, &here);
+        let new = old.grown(&spec, 3.0, &Point::new(2.0, -3.0), &here);
         let place = Point::new(1.52, -1.33);
         let mut before = vec![0; old.n_x * old.n_y];
         before[old.index(old.cell_of(&place).unwrap())] = 2;

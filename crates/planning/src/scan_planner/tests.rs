@@ -121,7 +121,6 @@ fn drives_out_of_a_pocket_and_round_it() {
     let route = driver.route().cloned();
     assert_eq!(drive(&pocket(), &jackal(), &mut driver, start, goal, 40.0), end);
     assert_eq!(driver.route().cloned(), route);
-    let mut driver = driver;
     crate::Controller::reset(&mut driver);
     assert!(driver.route().is_none() && driver.planner().costmap().map().size() == (0, 0));
 }
