@@ -44,7 +44,7 @@ struct Drive {
 impl Drive {
     fn new() -> Self {
         use headway_sim::rand::RngExt;
-        let mut rng = stream(0, 0, "posts");
+        let mut rng = stream(0, "posts", 0);
         let post = |_| {
             let (x, y): (f64, f64) = (rng.random_range(0.5..11.5), rng.random_range(0.5..9.5));
             let shape = Shape::Disc { radius: 0.075 };
