@@ -1,7 +1,7 @@
 //! The dynamic window approach as data.
 
 use headway_sim::FieldError;
-use headway_sim::check::{at_least, non_negative, positive, within};
+use headway_sim::check::{non_negative, positive, within};
 use serde::{Deserialize, Serialize};
 
 use super::map_grid::MapGrid;
@@ -31,9 +31,11 @@ pub enum ObstacleCost {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DwaSpec {
-    /// What trajectories are checked in: a window of `costmap.map.max_size` around the vehicle, at least twice `max_speed *
-    /// sim_time` and 2 m more.
+    /// What trajectories are checked in; its `map.max_size` does not count, `window` does.
     pub costmap: CostmapSpec,
+    /// Side of the window around the vehicle that is looked at, metres: at least twice `max_speed * sim_time` and
+    /// 2 m more, at most 1000 cells.
+    pub window: f64,
     /// Lowest forward speed other than 0, m/s.
     pub min_speed: f64,
     /// Highest forward speed, m/s, if the vehicle's is not lower.
@@ -86,9 +88,10 @@ pub struct DwaSpec {
 
 impl Default for DwaSpec {
     fn default() -> Self {
-        let map = ScanMapSpec { max_size: 5.0, ..ScanMapSpec::default() };
         Self {
-            costmap: CostmapSpec { map, ..CostmapSpec::default() },
+            costmap: CostmapSpec::default(),
+            // Published: 10 m, of which nothing beyond 3 m is ever seen.
+            window: 5.0,
             min_speed: 0.1,
             max_speed: 0.5,
             max_yaw_rate: 1.57,
@@ -132,16 +135,22 @@ impl DwaSpec {
         positive("max_acceleration", self.max_acceleration)?;
         positive("max_yaw_acceleration", self.max_yaw_acceleration)?;
         within("n_speeds", self.n_speeds as f64, 1.0, 100.0)?;
-        at_least("n_yaw_rates", self.n_yaw_rates, 2)?;
         within("n_yaw_rates", self.n_yaw_rates as f64, 2.0, 200.0)?;
         positive("sim_time", self.sim_time)?;
         within("sim_granularity", self.sim_granularity, 1e-3, 1.0)?;
         within("angular_sim_granularity", self.angular_sim_granularity, 1e-3, 1.0)?;
         self.check_scores()?;
-        let least = 2.0 * self.max_speed * self.sim_time + 2.0;
-        let allowed = format!("{least} or more: twice max_speed * sim_time, and 2 m");
-        let size = self.costmap.map.max_size;
-        if size >= least { Ok(()) } else { Err(FieldError::new("costmap.map.max_size", size, allowed)) }
+        let (least, most) = (2.0 * self.max_speed * self.sim_time + 2.0, 1000.0 * self.costmap.map.cell);
+        if (least..=most).contains(&self.window) {
+            return Ok(());
+        }
+        let allowed = format!("from {least} (twice max_speed * sim_time, and 2 m) to {most} (1000 cells)");
+        Err(FieldError::new("window", self.window, allowed))
+    }
+
+    /// The map of marks that it drives by.
+    fn window_spec(&self) -> ScanMapSpec {
+        ScanMapSpec { max_size: self.window, ..self.costmap.map }
     }
 
     fn check_scores(&self) -> Result<(), FieldError> {
@@ -171,7 +180,7 @@ impl DwaSpec {
         self.check()?;
         Ok(Dwa {
             spec: self.clone(),
-            costmap: self.costmap.build()?.around_vehicle(),
+            costmap: CostmapSpec { map: self.window_spec(), ..self.costmap.clone() }.build()?.around_vehicle(),
             grid: MapGrid::default(),
             outline: OutlinePoints::default(),
             turns: Turns::default(),

@@ -1,6 +1,6 @@
 use super::*;
 use crate::test_drive::{End, MAX_RANGE, beam_angles, boxed, drive, jackal, scan};
-use crate::{CostmapSpec, Planned, Route, ScanMapSpec, ScanPlannerSpec};
+use crate::{Planned, Route, ScanPlannerSpec};
 use headway_sim::{Room, Shape, Twist, VehicleSpec, World};
 
 fn empty() -> World {
@@ -98,9 +98,7 @@ fn passes_gaps_wider_than_the_padded_footprint_and_no_others() {
 fn with_a_planner_it_finds_round_a_pocket_at_any_speed() {
     let bars = vec![boxed(5.0, 5.0, 0.2, 3.2), boxed(4.0, 6.5, 2.0, 0.2), boxed(4.0, 3.5, 2.0, 0.2)];
     let world = World::new(Room::new(10.0, 10.0), bars).unwrap();
-    let map = ScanMapSpec { max_size: 6.0, ..ScanMapSpec::default() };
-    let costmap = CostmapSpec { map, ..CostmapSpec::default() };
-    let fast = DwaSpec { max_speed: 2.0, sim_time: 1.0, costmap, ..DwaSpec::default() };
+    let fast = DwaSpec { max_speed: 2.0, sim_time: 1.0, window: 6.0, ..DwaSpec::default() };
     let (start, goal) = (Pose::translation(1.0, 5.0), Point::new(8.0, 5.0));
     for (spec, most_seconds) in [(DwaSpec::default(), 60.0), (fast, 30.0)] {
         let mut driver = Planned::new(ScanPlannerSpec::default().build().unwrap(), spec.build().unwrap());
@@ -182,9 +180,10 @@ fn specs_are_checked() {
     let refuse = |spec: DwaSpec| spec.build().unwrap_err().to_string();
     assert_eq!(
         refuse(DwaSpec { max_speed: 2.0, ..DwaSpec::default() }),
-        "costmap.map.max_size = 5: must be 10 or more: twice max_speed * sim_time, and 2 m"
+        "window = 5: must be from 10 (twice max_speed * sim_time, and 2 m) to 50 (1000 cells)"
     );
     assert!(refuse(DwaSpec { min_speed: 0.6, ..DwaSpec::default() }).starts_with("min_speed = 0.6"));
+    assert!(refuse(DwaSpec { window: f64::NAN, ..DwaSpec::default() }).starts_with("window = NaN"));
     assert!(refuse(DwaSpec { n_yaw_rates: 1, ..DwaSpec::default() }).starts_with("n_yaw_rates = 1"));
     assert!(refuse(DwaSpec { patience: f64::NAN, ..DwaSpec::default() }).starts_with("patience = NaN"));
 }
