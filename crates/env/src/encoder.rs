@@ -3,7 +3,7 @@
 use headway_planning::Sensed;
 use headway_sensors::Lidar;
 use headway_sim::nalgebra::Vector2;
-use headway_sim::{FieldError, Point, Vehicle};
+use headway_sim::{FieldError, Mover, Point, Vehicle};
 
 use crate::{History, ObservationSpec, ScanEncoding, Side};
 
@@ -23,6 +23,7 @@ use crate::{History, ObservationSpec, ScanEncoding, Side};
 /// | two for each of `look_ahead` | cosine and sine of the bearing of that point of the route, or of the straight line to the goal | [-1, 1] |
 /// | two for each of `trail` | `x / (1 + r)`, `y / (1 + r)` of the place `(x, y)` in the vehicle's frame, `r` metres away | (-1, 1) |
 /// | two for `last_command` | its speed and yaw rate, over the highest ones | [-1, 1] |
+/// | five for each of `n_movers` | of the nearest movers: `0.5 / (c + 0.5)` for the clearance `c` between the discs around both, cosine and sine of the bearing, and the velocity ahead and to the left over the vehicle's highest speed, clamped; 0 where there is none | [-1, 1] |
 #[derive(Debug, Clone)]
 pub struct Encoder {
     spec: ObservationSpec,
@@ -34,6 +35,8 @@ pub struct Encoder {
     max_speed: f64,
     max_yaw_rate: f64,
     max_lateral_speed: f64,
+    /// The footprint's circumradius, metres.
+    radius: f64,
     /// Of each entry of the trail: how many control periods ago.
     trail: Vec<usize>,
 }
@@ -45,6 +48,8 @@ impl Encoder {
     pub const NEAR: f64 = 2.0;
     /// Clearance encoded as a half, metres.
     pub const HALF_CLEARANCE: f32 = 0.25;
+    /// Clearance from a mover encoded as a half, metres.
+    pub const HALF_MOVER: f64 = 0.5;
 
     /// The encoding of a lidar's scans on a vehicle.
     ///
@@ -62,6 +67,7 @@ impl Encoder {
             max_speed: limits.max_speed.max(limits.max_reverse_speed),
             max_yaw_rate: limits.max_yaw_rate,
             max_lateral_speed: limits.drive.max_lateral_speed(),
+            radius: vehicle.footprint().circumradius(),
             trail: spec.trail.iter().map(periods).collect(),
             spec: spec.clone(),
         })
@@ -70,9 +76,9 @@ impl Encoder {
     /// Numbers in an observation.
     #[must_use]
     pub fn obs_dim(&self) -> usize {
-        let ObservationSpec { look_ahead, trail, last_command, .. } = &self.spec;
+        let ObservationSpec { look_ahead, trail, last_command, n_movers, .. } = &self.spec;
         let n_pairs = look_ahead.len() + trail.len() + usize::from(*last_command);
-        self.n_ranges() + 6 + usize::from(self.max_lateral_speed > 0.0) + 2 * n_pairs
+        self.n_ranges() + 6 + usize::from(self.max_lateral_speed > 0.0) + 2 * n_pairs + 5 * n_movers
     }
 
     /// An empty memory, as long as this encoding needs it.
@@ -148,6 +154,26 @@ impl Encoder {
             put(sensed.last_command.speed / self.max_speed);
             put(left * sensed.last_command.yaw_rate / self.max_yaw_rate);
         }
+        if self.spec.n_movers > 0 {
+            self.movers(sensed, &here, left).into_iter().flatten().for_each(put);
+        }
+    }
+
+    /// The nearest movers, as many as are shown.
+    fn movers(&self, sensed: &Sensed<'_>, here: &Point, left: f64) -> Vec<[f64; 5]> {
+        let clearance = |mover: &Mover| (mover.position - here).norm() - mover.radius - self.radius;
+        let mut nearest: Vec<&Mover> = sensed.movers.iter().collect();
+        nearest.sort_by(|a, b| clearance(a).total_cmp(&clearance(b)));
+        let shown = |mover: &&Mover| {
+            let to = sensed.pose.inverse_transform_point(&mover.position).coords;
+            let to = to.try_normalize(1e-9).unwrap_or(Vector2::x());
+            let velocity = sensed.pose.rotation.inverse() * mover.velocity / self.max_speed;
+            let near = Self::HALF_MOVER / (clearance(mover).max(0.0) + Self::HALF_MOVER);
+            [near, to.x, left * to.y, velocity.x.clamp(-1.0, 1.0), left * velocity.y.clamp(-1.0, 1.0)]
+        };
+        let mut rows: Vec<[f64; 5]> = nearest.iter().take(self.spec.n_movers).map(shown).collect();
+        rows.resize(self.spec.n_movers, [0.0; 5]);
+        rows
     }
 
     /// The points ahead on the route.
@@ -245,6 +271,7 @@ mod tests {
             goal,
             route: None,
             last_command: Command::default(),
+            movers: &[],
         };
         let mut obs = vec![0.0; encoder.0.obs_dim()];
         let side = encoder.0.encode(&sensed, &encoder.0.history(), &mut obs);
@@ -351,6 +378,7 @@ mod tests {
                 goal,
                 route: Some(&route),
                 last_command: Command::new(0.75, 0.3),
+                movers: &[],
             };
             let mut obs = vec![0.0; encoder.obs_dim()];
             encoder.encode(&sensed, &history, &mut obs);
@@ -363,5 +391,37 @@ mod tests {
         assert_close(&encode(Point::new(3.0, -1.0))[7..], &mirrored);
         history.clear();
         assert_eq!(history.place(3, Point::new(1.0, 2.0)), Point::new(1.0, 2.0));
+    }
+
+    #[test]
+    fn the_nearest_movers_are_shown_with_their_velocities() {
+        let lidar = LidarSpec { n_beams: 1, ..LidarSpec::default() }.build().unwrap();
+        let spec = ObservationSpec { n_movers: 3, ..ObservationSpec::default() };
+        let vehicle = VehicleSpec::default(); // a disc of 0.25 m, at most 1.5 m/s
+        let encoder = Encoder::new(&spec, &lidar, &vehicle.build().unwrap()).unwrap();
+        let mover = |position: [f64; 2], velocity: [f64; 2]| Mover {
+            position: position.into(),
+            velocity: velocity.into(),
+            radius: 0.25,
+        };
+        // Facing +y: 4 m to the left, and 2 m ahead coming nearer, too fast.
+        let movers = [mover([-4.0, 0.0], [0.0, 0.75]), mover([0.0, 2.0], [0.0, -3.0])];
+        let sensed = Sensed {
+            vehicle: &vehicle,
+            scan: &[5.0],
+            beam_angles: lidar.beam_angles(),
+            max_range: 5.0,
+            pose: Pose::rotation(std::f64::consts::FRAC_PI_2),
+            twist: Twist::zeros(),
+            goal: Point::new(1.0, 5.0), // on the right: all is mirrored
+            route: None,
+            last_command: Command::default(),
+            movers: &movers,
+        };
+        let mut obs = vec![0.0; encoder.obs_dim()];
+        assert_eq!(encoder.encode(&sensed, &encoder.history(), &mut obs), Side::Mirrored);
+        let near = [0.25, 1.0, 0.0, -1.0, 0.0];
+        let far = [0.125, 0.0, -1.0, 0.5, 0.0];
+        assert_close(&obs[7..], &[near, far, [0.0; 5]].concat());
     }
 }

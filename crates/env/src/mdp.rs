@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use headway_planning::{GridMap, Route, plan};
+use headway_planning::{GridMap, Route, ScanPlanner, plan};
 use headway_reward::{Limits, Reward};
 use headway_sensors::Lidar;
 use headway_sensors::ObstacleAngle;
@@ -62,7 +62,7 @@ impl NavSpec {
             source,
             randomizer: Randomizer::new(self)?,
             robot: Arc::new(robot),
-            route: env.route,
+            route: env.route.clone(),
             control: env.control,
         }))
     }
@@ -115,7 +115,7 @@ impl Mdp {
     ///
     /// A scenario's ends are joined by a path with clearance; cells of a grid lie within 0.71 of their edge from it.
     pub(crate) fn plan_route(&self, world: &World, from: &Point, goal: &Point) -> Result<Option<Route>, EnvError> {
-        let RouteSource::TrueMap(spec) = self.route else { return Ok(None) };
+        let RouteSource::TrueMap(spec) = &self.route else { return Ok(None) };
         let clearances = [spec.margin, spec.margin / 2.0, 0.0, -0.71 * spec.cell].map(|m| (self.radius() + m).max(0.0));
         let route = clearances.iter().find_map(|clearance| shortest_route(world, from, goal, *clearance, spec.cell));
         route.map(Some).ok_or(EnvError::NoRoute { from: [from.x, from.y], goal: [goal.x, goal.y], cell: spec.cell })
@@ -131,12 +131,21 @@ impl Mdp {
     #[must_use]
     pub fn geodesic(&self, world: &World, from: &Point, to: &Point) -> f64 {
         const CELL: f64 = 0.1;
+        let world = &world.without_movers();
         if world.is_free(from, to, self.radius()) {
             return (to - from).norm();
         }
         let route = shortest_route(world, from, to, self.radius(), CELL)
             .or_else(|| shortest_route(world, from, to, (self.radius() - CELL).max(0.0), CELL));
         route.map_or((to - from).norm(), |route| route.length())
+    }
+
+    /// A planner over scans, where the route comes from one.
+    pub(crate) fn planner(&self) -> Result<Option<Box<ScanPlanner>>, EnvError> {
+        match &self.route {
+            RouteSource::Scans(spec) => Ok(Some(Box::new(spec.build().map_err(|e| e.under("env.route"))?))),
+            _ => Ok(None),
+        }
     }
 
     /// What drives in scenario number `index` of a seed, and the numbers of it that were drawn.

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use headway_planning::{Route, Sensed};
+use headway_planning::{Route, ScanPlanner, Sensed};
 use headway_reward::{Event, State, Transition};
 use headway_sensors::Odometry;
-use headway_sim::{Command, Point, Proximity, Scenario, VehicleState, stream};
+use headway_sim::{Command, Motion, Mover, Point, Proximity, Scenario, Vehicle, VehicleState, stream};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
@@ -27,8 +27,11 @@ pub(crate) struct NavigatorState {
     scenario: Scenario,
     goal: Point,
     route: Option<Route>,
+    planner: Option<Box<ScanPlanner>>,
     vehicle: VehicleState,
     odometry: Odometry,
+    /// The crowd as the vehicle knows it, in the frame of its odometry.
+    movers: Vec<Mover>,
     history: History,
     /// The numbers of the robot that this episode drew.
     drawn: Vec<f64>,
@@ -43,6 +46,13 @@ pub(crate) struct NavigatorState {
     noise: ChaCha8Rng,
     motion: ChaCha8Rng,
     goals: ChaCha8Rng,
+}
+
+/// What a next episode takes over: memory, and nothing that it holds.
+struct Memory {
+    planner: Option<Box<ScanPlanner>>,
+    history: History,
+    facts: [Facts; 2],
 }
 
 /// One moment in plain numbers: what becomes a reward's [`State`].
@@ -91,9 +101,8 @@ impl Navigator {
         let facts = || Facts::new(mdp.robot.lidar.beam_angles().len());
         let (robot, drawn) = mdp.draw_robot(seed, index)?;
         let route = mdp.route_of(&scenario)?;
-        let history = mdp.encoder.history();
-        let state =
-            NavigatorState::at_start(&robot, scenario, route, [seed, index], drawn, history, [facts(), facts()]);
+        let memory = Memory { planner: mdp.planner()?, history: mdp.encoder.history(), facts: [facts(), facts()] };
+        let state = NavigatorState::at_start(&robot, scenario, route, [seed, index], drawn, memory);
         let mut navigator = Self { mdp, robot, state };
         navigator.look_from_start();
         Ok(navigator)
@@ -107,10 +116,8 @@ impl Navigator {
         let scenario = self.mdp.source.scenario(seed, index)?;
         let route = self.mdp.route_of(&scenario)?;
         let (robot, drawn) = self.mdp.draw_robot(seed, index)?;
-        let facts = [&mut self.state.before, &mut self.state.after].map(Facts::take);
-        let mut history = std::mem::take(&mut self.state.history);
-        history.clear();
-        self.state = NavigatorState::at_start(&robot, scenario, route, [seed, index], drawn, history, facts);
+        let memory = self.state.take_memory();
+        self.state = NavigatorState::at_start(&robot, scenario, route, [seed, index], drawn, memory);
         self.robot = robot;
         self.look_from_start();
         Ok(())
@@ -154,7 +161,7 @@ impl Navigator {
         std::mem::swap(&mut state.before, &mut state.after);
         let from = state.vehicle.pose;
         let done = vehicle.disturb(command, &mut state.motion);
-        let motion = vehicle.step(&state.scenario.world, &mut state.vehicle, done);
+        let motion = state.step(vehicle, done);
         let VehicleState { pose, twist, .. } = &state.vehicle;
         state.odometry.advance(&from, pose, *twist, motion.duration, &mut state.motion);
         state.command = command;
@@ -182,6 +189,7 @@ impl Navigator {
             let goal = self.state.scenario.new_goal(&here, footprint, &mut self.state.goals);
             self.state.goal = goal;
             self.state.route = self.mdp.plan_route(&self.state.scenario.world, &here, &goal)?;
+            self.plan();
             self.state.n_steps = 0;
         }
         let truncated = !terminated && self.state.n_steps >= self.mdp.n_max_steps;
@@ -200,6 +208,16 @@ impl Navigator {
         state.after.obstacle_angle = mdp.obstacle_angle.measure(world, &pose, &twist, proximity);
         (state.after.goal_distance, state.after.goal_bearing) = state.goal_polar();
         state.history.remember(&state.odometry.pose());
+        state.track();
+        self.plan();
+    }
+
+    /// Lets the planner, if there is one, take in what is perceived now.
+    fn plan(&mut self) {
+        if let Some(mut planner) = self.state.planner.take() {
+            planner.update(&self.sensed());
+            self.state.planner = Some(planner);
+        }
     }
 
     /// Encodes the present observation, shape `[obs_dim]`.
@@ -218,9 +236,15 @@ impl Navigator {
             pose: self.state.odometry.pose(),
             twist: self.state.odometry.twist(),
             goal: self.state.goal,
-            route: self.state.route.as_ref(),
+            route: self.route(),
             last_command: self.state.command,
+            movers: &self.state.movers,
         }
+    }
+
+    /// The route that drivers are shown.
+    fn route(&self) -> Option<&Route> {
+        self.state.planner.as_ref().map_or(self.state.route.as_ref(), |planner| planner.route())
     }
 
     /// The last step as rewards see it: both of its states refer to the goal that was in force. Before the first step, both are
@@ -295,13 +319,14 @@ impl NavigatorState {
         route: Option<Route>,
         [seed, index]: [u64; 2],
         drawn: Vec<f64>,
-        history: History,
-        [before, after]: [Facts; 2],
+        Memory { planner, history, facts: [before, after] }: Memory,
     ) -> Self {
         let mut motion = stream(seed, "motion", index);
         Self {
             goal: scenario.goal,
             route,
+            planner,
+            movers: Vec::new(),
             vehicle: VehicleState::at_rest(scenario.start),
             odometry: Odometry::new(&robot.odometry, scenario.start, &mut motion),
             history,
@@ -318,6 +343,40 @@ impl NavigatorState {
             motion,
             goals: stream(seed, "goals", index),
         }
+    }
+
+    /// What a next episode takes over, emptied of this one.
+    fn take_memory(&mut self) -> Memory {
+        let mut planner = self.planner.take();
+        planner.iter_mut().for_each(|planner| planner.reset());
+        let mut history = std::mem::take(&mut self.history);
+        history.clear();
+        Memory { planner, history, facts: [&mut self.before, &mut self.after].map(Facts::take) }
+    }
+
+    /// Drives for a control period; a crowd moves along.
+    fn step(&mut self, vehicle: &Vehicle, command: Command) -> Motion {
+        let Scenario { world, crowd, .. } = &mut self.scenario;
+        let Some(crowd) = crowd else { return vehicle.step(world, &mut self.vehicle, command) };
+        let radius = vehicle.footprint().circumradius();
+        vehicle.step_among(world, &mut self.vehicle, command, |world, state, dt| {
+            let velocity = state.pose.rotation * state.twist.xy();
+            let vehicle = Mover { position: state.pose.translation.vector.into(), velocity, radius };
+            crowd.step(world, dt, Some(&vehicle));
+        })
+    }
+
+    /// Sees where the crowd is.
+    fn track(&mut self) {
+        let Some(crowd) = &self.scenario.crowd else { return };
+        let believed = self.odometry.pose() * self.vehicle.pose.inverse();
+        let seen = |mover: &Mover| Mover {
+            position: believed * mover.position,
+            velocity: believed * mover.velocity,
+            radius: mover.radius,
+        };
+        self.movers.clear();
+        self.movers.extend(crowd.movers().iter().map(seen));
     }
 
     /// Distance to the goal, metres, and its bearing in the vehicle's frame, radians, from where the vehicle really is.

@@ -23,6 +23,9 @@ pub struct ObservationSpec {
     pub trail: Vec<f64>,
     /// Whether the last command is shown: with a latency it is still on its way.
     pub last_command: bool,
+    /// How many of the moving obstacles are shown, the nearest first, by place and velocity; at most 100. Where they are takes
+    /// a tracker, which is taken for exact.
+    pub n_movers: usize,
 }
 
 impl Default for ObservationSpec {
@@ -34,6 +37,7 @@ impl Default for ObservationSpec {
             look_ahead: Vec::new(),
             trail: Vec::new(),
             last_command: false,
+            n_movers: 0,
         }
     }
 }
@@ -78,6 +82,6 @@ impl ObservationSpec {
                 within(&field, *number, 0.0, most)?;
             }
         }
-        Ok(())
+        within("n_movers", self.n_movers as f64, 0.0, Self::MOST as f64)
     }
 }

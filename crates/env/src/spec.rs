@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use headway_planning::PurePursuit;
+use headway_planning::{PurePursuit, ScanPlannerSpec};
 use headway_reward::Reward;
 use headway_sensors::{LidarSpec, ObstacleAngleSpec, OdometrySpec};
 use headway_sim::FieldError;
@@ -112,13 +112,15 @@ pub enum Control {
 }
 
 /// Where the route to the goal comes from that drivers are shown.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
 pub enum RouteSource {
     /// There is none.
     None {},
     /// Planned once over the true map, from the start or the last goal.
     TrueMap(TrueMapSpec),
+    /// Planned again and again over what the vehicle's own scans have shown.
+    Scans(ScanPlannerSpec),
 }
 
 impl Default for RouteSource {
@@ -128,10 +130,14 @@ impl Default for RouteSource {
 }
 
 impl RouteSource {
+    /// The tags of all kinds.
+    pub const TYPES: [&str; 3] = ["none", "true_map", "scans"];
+
     fn check(&self) -> Result<(), FieldError> {
         match self {
             Self::None {} => Ok(()),
             Self::TrueMap(spec) => spec.check(),
+            Self::Scans(spec) => spec.check(),
         }
     }
 }

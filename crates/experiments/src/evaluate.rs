@@ -85,7 +85,7 @@ impl ScenarioSet {
         driver.reset();
         watch(&vehicle);
         loop {
-            let free_range = scenario.world.sector_range(&vehicle.vehicle().pose, CONE);
+            let free_range = vehicle.scenario().world.sector_range(&vehicle.vehicle().pose, CONE);
             let command = driver.command(&vehicle.sensed());
             let end = vehicle.drive(command).map_err(Error::failure)?;
             let step = vehicle.transition();
@@ -185,5 +185,5 @@ pub(crate) fn adapt(env: &mut EnvSpec, policy: &Policy) {
     env.control = header.control;
     env.actions = header.actions.clone();
     env.observation = header.observation.clone();
-    env.route = header.route;
+    env.route = header.route.clone();
 }

@@ -191,7 +191,7 @@ impl<'a> Training<'a> {
             control: self.spec.env.control,
             actions: self.spec.env.actions.clone(),
             observation: self.spec.env.observation.clone(),
-            route: self.spec.env.route,
+            route: self.spec.env.route.clone(),
             normalisation: Normalisation::default(),
             provenance: BTreeMap::from([
                 ("code_revision".to_owned(), CODE_REVISION.to_owned()),

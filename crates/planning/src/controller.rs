@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use headway_sim::{Command, Point, Pose, Twist, VehicleSpec};
+use headway_sim::{Command, Mover, Point, Pose, Twist, VehicleSpec};
 use nalgebra::Vector2;
 
 use crate::Route;
@@ -28,6 +28,8 @@ pub struct Sensed<'a> {
     pub route: Option<&'a Route>,
     /// The command sent a control period ago; none is a standing vehicle's.
     pub last_command: Command,
+    /// Obstacles that move, as a tracker would report them, in the frame of `pose`; none if there is no tracker.
+    pub movers: &'a [Mover],
 }
 
 impl Sensed<'_> {
@@ -59,4 +61,14 @@ pub trait Controller {
 
     /// The command for the next control period. Commands beyond the vehicle's limits are clamped by it.
     fn command(&mut self, sensed: &Sensed<'_>) -> Command;
+}
+
+impl<C: Controller + ?Sized> Controller for Box<C> {
+    fn reset(&mut self) {
+        (**self).reset();
+    }
+
+    fn command(&mut self, sensed: &Sensed<'_>) -> Command {
+        (**self).command(sensed)
+    }
 }

@@ -40,7 +40,7 @@ impl GridMap {
         for (index, cells) in strips.into_iter().enumerate() {
             map.block(world, Surface::Wall(index), cells, inflation);
         }
-        for (index, obstacle) in world.obstacles().iter().enumerate() {
+        for (index, obstacle) in world.static_obstacles().iter().enumerate() {
             let reach = obstacle.shape.circumradius() + inflation;
             let span = |middle: f64, n: usize| {
                 let low = ((middle - reach) / cell).floor().max(0.0) as usize;

@@ -1,5 +1,5 @@
-//! Who drives and by which route: the [`Controller`] seam, grid maps, A* search, pure pursuit (plain and
-//! regulated), VFH+, and a braking shield around any driver.
+//! Who drives and by which route: the [`Controller`] seam, maps from worlds and from scans, A* search, pure pursuit (plain and
+//! regulated), the dynamic window approach, VFH+, and a braking shield around any driver.
 //!
 //! The crate knows no reward and no learning. A [`Controller`] turns what a vehicle perceives
 //! ([`Sensed`]) into a [`headway_sim::Command`]; learned policies and classical planners are the same to
@@ -19,22 +19,34 @@
 //! ```
 
 mod controller;
+mod costmap;
+mod dwa;
 mod grid;
+mod planned;
 mod pure_pursuit;
 mod regulated_pursuit;
 mod route;
+mod scan_map;
+mod scan_planner;
 mod search;
 mod shield;
 mod sweep;
+#[cfg(test)]
+mod test_drive;
 #[cfg(test)]
 mod trial;
 mod vfh;
 
 pub use controller::{Controller, Sensed};
+pub use costmap::{Costmap, CostmapSpec, INSCRIBED, LETHAL};
+pub use dwa::{Dwa, DwaSpec, ObstacleCost};
 pub use grid::GridMap;
+pub use planned::Planned;
 pub use pure_pursuit::PurePursuit;
 pub use regulated_pursuit::{RegulatedPursuit, RegulatedPursuitSpec};
 pub use route::Route;
+pub use scan_map::{CellState, ScanMap, ScanMapSpec};
+pub use scan_planner::{ScanPlanner, ScanPlannerSpec};
 pub use search::plan;
 pub use shield::{Shield, ShieldSpec};
 pub use vfh::{Vfh, VfhSpec};

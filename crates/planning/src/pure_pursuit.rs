@@ -116,6 +116,7 @@ mod tests {
                 goal: Point::new(3.0, 14.0),
                 route: Some(&route),
                 last_command: headway_sim::Command::default(),
+                movers: &[],
             };
             vehicle.step(&world, &mut state, driver.command(&sensed));
         }

@@ -255,7 +255,18 @@ mod tests {
 
     fn sensed<'a>(vehicle: &'a VehicleSpec, scan: &'a [f32], beam_angles: &'a [f64]) -> Sensed<'a> {
         let (pose, twist, goal) = (Pose::identity(), Twist::zeros(), Point::new(5.0, 0.0));
-        Sensed { vehicle, scan, beam_angles, max_range: 5.0, pose, twist, goal, route: None }
+        Sensed {
+            vehicle,
+            scan,
+            beam_angles,
+            max_range: 5.0,
+            pose,
+            twist,
+            goal,
+            route: None,
+            last_command: headway_sim::Command::default(),
+            movers: &[],
+        }
     }
 
     fn boxed() -> VehicleSpec {

@@ -28,7 +28,18 @@ impl Lidar {
     pub(crate) fn sensed<'a>(&'a self, vehicle: &'a Vehicle, scan: &'a [f32], state: &VehicleState) -> Sensed<'a> {
         let (pose, twist, goal): (Pose, Twist, Point) = (state.pose, state.twist, Point::new(1.0, 1.0));
         let (vehicle, beam_angles, max_range) = (vehicle.spec(), &self.angles[..], self.max_range);
-        Sensed { vehicle, scan, beam_angles, max_range, pose, twist, goal, route: None }
+        Sensed {
+            vehicle,
+            scan,
+            beam_angles,
+            max_range,
+            pose,
+            twist,
+            goal,
+            route: None,
+            last_command: headway_sim::Command::default(),
+            movers: &[],
+        }
     }
 }
 

@@ -119,6 +119,33 @@ impl Vehicle {
         self.drive(world, state, &phases, self.spec.control_period)
     }
 
+    /// As [`Self::step`], in a world that moves: before each substep, `advance` moves it on by that many seconds, and the
+    /// vehicle then drives as if it stood still. What moves into the vehicle collides with it.
+    pub fn step_among(
+        &self,
+        world: &mut World,
+        state: &mut VehicleState,
+        command: Command,
+        mut advance: impl FnMut(&mut World, &VehicleState, f64),
+    ) -> Motion {
+        let substep = self.dynamics.substep();
+        let (mut distance, mut duration, mut last) = (0.0, 0.0, None);
+        for Phase { command, n_substeps } in self.phases(state, command) {
+            for _ in 0..n_substeps {
+                advance(world, state, substep);
+                let motion = self.drive(world, state, &[Phase { command, n_substeps: 1 }], substep);
+                distance += motion.distance;
+                duration += motion.duration;
+                last = Some(motion);
+                if motion.collided {
+                    return Motion { distance, duration, ..motion };
+                }
+            }
+        }
+        let motion = last.expect("a period has a substep");
+        Motion { distance, duration: self.spec.control_period, ..motion }
+    }
+
     /// What actuators make of a command: its numbers times `1 + noise x` with a standard normal `x` for each, see
     /// [`ActuationSpec::noise`]. No random number is drawn without noise.
     #[must_use]

@@ -11,7 +11,7 @@ fn driver() -> RegulatedPursuit {
 fn command_on(route: &Route, speed: f64, (angle, range): (f64, f32)) -> Command {
     let vehicle = VehicleSpec::default().build().unwrap();
     let lidar = Lidar { angles: vec![angle], max_range: 10.0 };
-    let state = VehicleState { pose: Pose::identity(), twist: Twist::new(speed, 0.0, 0.0) };
+    let state = VehicleState { twist: Twist::new(speed, 0.0, 0.0), ..VehicleState::at_rest(Pose::identity()) };
     let (scan, goal) = ([range], route.at(route.length()));
     driver().command(&Sensed { goal, route: Some(route), ..lidar.sensed(&vehicle, &scan, &state) })
 }
@@ -93,7 +93,7 @@ fn speeds_up_no_faster_than_the_vehicle_and_keeps_the_curvature() {
     assert!((command_on(&route, 0.0, (3.0, 9.0)).speed - 0.4).abs() < 1e-12);
     // Yaw rates beyond 1.5 rad/s are not to be had.
     let vehicle = VehicleSpec::default().build().unwrap();
-    let state = VehicleState { pose: Pose::identity(), twist: Twist::new(1.0, 0.0, 0.0) };
+    let state = VehicleState { twist: Twist::new(1.0, 0.0, 0.0), ..VehicleState::at_rest(Pose::identity()) };
     let lidar = Lidar::new(8, 9.0);
     let command = RegulatedPursuit::limited(&lidar.sensed(&vehicle, &[], &state), 1.0, 2.0);
     assert!((command.speed - 0.75).abs() < 1e-12 && (command.yaw_rate - 1.5).abs() < 1e-12);

@@ -204,7 +204,7 @@ fn latency_is_braked_for() {
     let passes = |latency: f64, room: f64| {
         let spec = ShieldSpec { latency, ..ShieldSpec::default() };
         let mut shield = spec.build(Reckless::AlwaysThis(Command::new(1.0, 0.0))).unwrap();
-        let state = VehicleState { pose: Pose::identity(), twist: Twist::new(1.0, 0.0, 0.0) };
+        let state = VehicleState { twist: Twist::new(1.0, 0.0, 0.0), ..VehicleState::at_rest(Pose::identity()) };
         for _ in 0..3 {
             shield.command(&sensed(&vehicle, &lidar, &[7.0], &state));
         }
@@ -227,7 +227,12 @@ fn corners_are_looked_after_on_the_spot() {
     let given = |range: f32| {
         let mut shield = ShieldSpec::default().build(Reckless::AlwaysThis(turn)).unwrap();
         // Turning for some periods, with something beside the flank.
-        shield.command(&sensed(&vehicle, &lidar, &[range], &VehicleState { twist: Twist::new(0.0, 0.0, 1.5), ..state }))
+        shield.command(&sensed(
+            &vehicle,
+            &lidar,
+            &[range],
+            &VehicleState { twist: Twist::new(0.0, 0.0, 1.5), ..state.clone() },
+        ))
     };
     assert_eq!(given(0.5), turn);
     assert_ne!(given(0.22), turn);
@@ -260,7 +265,7 @@ fn a_latency_that_is_not_told_is_not_braked_for() {
     let end = |latency: f64| {
         let spec = ShieldSpec { latency, confidence: 1.0, ..ShieldSpec::default() };
         let mut shield = spec.build(Reckless::AlwaysThis(Command::new(3.0, 0.0))).unwrap();
-        drive(&world, &vehicle, &Lidar::new(360, 8.0), start, &mut shield, (150, 3))
+        drive(&world, &vehicle, &Lidar::new(360, 8.0), start.clone(), &mut shield, (150, 3))
     };
     assert!(end(0.0).is_err() && end(0.6).is_ok());
 }

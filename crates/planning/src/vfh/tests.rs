@@ -12,7 +12,7 @@ fn command_with(driver: &mut Vfh, beams: &[(f64, f32)], speed: f64) -> Command {
     let vehicle = VehicleSpec::default().build().unwrap();
     let (angles, scan): (Vec<_>, Vec<_>) = beams.iter().map(|(angle, range)| (angle.to_radians(), *range)).unzip();
     let lidar = Lidar { angles, max_range: 10.0 };
-    let state = VehicleState { pose: Pose::identity(), twist: Twist::new(speed, 0.0, 0.0) };
+    let state = VehicleState { twist: Twist::new(speed, 0.0, 0.0), ..VehicleState::at_rest(Pose::identity()) };
     let goal = Point::new(5.0, 0.0);
     driver.command(&Sensed { goal, ..lidar.sensed(&vehicle, &scan, &state) })
 }

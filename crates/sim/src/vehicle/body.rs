@@ -79,6 +79,11 @@ impl Dynamics {
         }
     }
 
+    /// Seconds.
+    pub(super) fn substep(&self) -> f64 {
+        self.substep
+    }
+
     pub(super) fn delay(&self) -> (usize, usize) {
         self.delay
     }

@@ -40,7 +40,8 @@ impl World {
     }
 
     /// The world without its movers: itself, where it has none.
-    pub(crate) fn without_movers(&self) -> Cow<'_, Self> {
+    #[must_use]
+    pub fn without_movers(&self) -> Cow<'_, Self> {
         if self.movers().is_empty() {
             return Cow::Borrowed(self);
         }
