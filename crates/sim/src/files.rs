@@ -5,8 +5,8 @@
 //! a file holds and a plane world cannot is never passed over in silence: it is refused by its name, or, where
 //! the spec says so, listed in [`WorldFile::unsupported`].
 //!
-//! Files are not trusted. Their size is limited before they are read, and every number, name and picture is checked: the
-//! worst that a file can do is to be refused with a [`FileError`]. The parsers themselves ([`parse_sdf`],
+//! Files are not trusted. Their size is limited before they are read, and every number, name and picture is checked:
+//! the worst that a file can do is to be refused with a [`FileError`]. The parsers themselves ([`parse_sdf`],
 //! [`parse_map`]) are functions of bytes that open nothing.
 //!
 //! ```

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use super::disk::Kind;
 use super::{FileError, FileProblem};
 
-/// The world files of a folder, by the endings that [`read`](super::read) knows, in natural order: `world_3` before `world_15`.
+/// The world files of a folder, by the endings that [`read`](super::read) knows, in natural order: `world_3` before
+/// `world_15`.
 ///
 /// # Errors
 /// If the folder cannot be read.

@@ -57,19 +57,21 @@ impl MapSpec {
     }
 }
 
-/// The world that a map of map_server holds: its YAML, and its picture (PGM or PNG), which `load` fetches by the name that the
-/// YAML has for it.
+/// The world that a map of map_server holds: its YAML, and its picture (PGM or PNG), which `load` fetches by the name
+/// that the YAML has for it.
 ///
 /// The YAML has `image`, `resolution` (metres), `origin` (x, y, yaw of the lower left corner), `occupied_thresh`,
-/// `free_thresh`, and may have `negate` (0, 1, false, true) and `mode`; other keys are passed over, but for ours, `headway`,
-/// with `start` and `goal`. With the lightness x of a cell from 0 to 1, the mean of its colours, p = 1 - x (x if negated), and a cell is
+/// `free_thresh`, and may have `negate` (0, 1, false, true) and `mode`; other keys are passed over, but for ours,
+/// `headway`, with `start` and `goal`. With the lightness x of a cell from 0 to 1, the mean of its colours, p = 1 - x
+/// (x if negated), and a cell is
 ///
 /// - mode `trinary` (the default): occupied if p > `occupied_thresh`, free if p < `free_thresh`, else unknown;
 /// - mode `scale`: the same; what is between the thresholds is no obstacle for sure, and counts as unknown;
-/// - mode `raw`: its value of 0 to 255 is the occupancy in percent: occupied from 100 `occupied_thresh` up, free below, unknown above 100.
+/// - mode `raw`: its value of 0 to 255 is the occupancy in percent: occupied from 100 `occupied_thresh` up, free below,
+///   unknown above 100.
 ///
-/// A cell that is not fully opaque is unknown. Occupied cells are merged into few boxes, exactly. The map's edge is the room. A
-/// map with a yaw becomes boxes of that yaw, and the room is the upright box around the map.
+/// A cell that is not fully opaque is unknown. Occupied cells are merged into few boxes, exactly. The map's edge is the
+/// room. A map with a yaw becomes boxes of that yaw, and the room is the upright box around the map.
 ///
 /// # Errors
 /// Names the key or the picture, the value and what is allowed.

@@ -24,7 +24,8 @@ pub use write::to_sdf;
 pub struct SdfSpec {
     /// Where the world is cut, metres above z = 0, from -1000 to 1000: obstacles are the cross-sections there.
     pub slice_height: f64,
-    /// From the box around all obstacles to the room's walls, metres, from 0 to 100 000; not used where the file has a room.
+    /// From the box around all obstacles to the room's walls, metres, from 0 to 100 000; not used where the file has a
+    /// room.
     pub margin: f64,
     /// What to do with geometry that cannot be represented.
     pub unsupported: Unsupported,
@@ -69,14 +70,14 @@ impl SdfSpec {
 /// |---|---|
 /// | sphere, upright cylinder, upright capsule | a disc |
 /// | box | a box if it is upright, else the polygon of its cross-section |
-/// | tilted cylinder or capsule, cone | a polygon around its cross-section; round sides become 64 facets, at most 0.13 % outside |
+/// | tilted cylinder or capsule, cone | a polygon around its cross-section; 64 facets, at most 0.13 % outside |
 /// | polyline | convex polygons that cover its area; its cross-section if it is tilted |
 /// | plane at 45 degrees or more | a wall: the cross-section of a sheet of the plane's size, 1 cm thick |
 /// | plane flatter than that | nothing: the ground |
 ///
-/// What the cut does not meet, or meets in less than a micrometre, is left out; visuals, lights, `<state>` (which repeats
-/// all models) and the like are no obstacles. Includes, actors, populations, meshes, height maps and all other geometry are
-/// [`SdfSpec::unsupported`].
+/// What the cut does not meet, or meets in less than a micrometre, is left out; visuals, lights, `<state>` (which
+/// repeats all models) and the like are no obstacles. Includes, actors, populations, meshes, height maps and all other
+/// geometry are [`SdfSpec::unsupported`].
 ///
 /// The room is the box around all obstacles (and around start and goal), grown by the margin; in an empty world, the
 /// margin around the origin. A world that [`to_sdf`] wrote says its room, start and goal itself.
@@ -87,10 +88,8 @@ impl SdfSpec {
 /// ```
 /// use headway_sim::files::{SdfSpec, parse_sdf};
 /// let collision = "<collision name='c'><geometry><sphere><radius>0.5</radius></sphere></geometry></collision>";
-/// let sdf = format!(
-///     "<sdf version='1.9'><world name='w'><model name='ball'><pose>1 2 0.2 0 0 0</pose><link name='l'>{collision}</link>
-///      </model></world></sdf>"
-/// );
+/// let model = format!("<model name='ball'><pose>1 2 0.2 0 0 0</pose><link name='l'>{collision}</link></model>");
+/// let sdf = format!("<sdf version='1.9'><world name='w'>{model}</world></sdf>");
 /// let file = parse_sdf(sdf.as_bytes(), &SdfSpec::default())?;
 /// assert_eq!((file.world.obstacles()[0].x, file.world.room().x), (1.0, -9.5));
 /// # Ok::<(), headway_sim::files::FileError>(())

@@ -27,6 +27,7 @@ const PLACE: &str = "line 1, model 'm', link 'link', collision 'collision': ";
 #[test]
 fn each_fault_is_named() {
     let ground = model("m", "0 0 0 0 0 0", &cylinder(1.0, 1.0));
+    let triangle = "<polyline><height>1</height><point>0 0</point><point>1 0</point><point>0 1</point></polyline>";
     let cases: Vec<(String, String)> = vec![
         (String::new(), "no well-formed XML: the document does not have a root node".into()),
         ("<sdf version='1.6'><world".into(), "no well-formed XML: ".into()),
@@ -107,6 +108,10 @@ fn each_fault_is_named() {
             "line 1: attributes = 300: must be at most 256 in an element".into(),
         ),
         (document(&ground.repeat(100_001)), format!("{PLACE}obstacles = more than 100000: must be at most 100000")),
+        (
+            document(&model("m", "0 0 9 0 0 0", triangle).repeat(33_334)),
+            format!("{PLACE}polylines = 100002 corners: must be at most 100000 corners of convex parts in all"),
+        ),
         (
             geometry("<mesh><uri>a.dae</uri></mesh>"),
             "cannot represent model 'm', link 'link', collision 'collision': mesh 'a.dae'".into(),

@@ -1,5 +1,5 @@
-//! The worlds of the Benchmark for Autonomous Robot Navigation, where they are at hand: in the folder that HEADWAY_BARN names, or in
-//! `shared/barn` beside the repository.
+//! The worlds of the Benchmark for Autonomous Robot Navigation, where they are at hand: in the folder that HEADWAY_BARN
+//! names, or in `shared/barn` beside the repository.
 
 use std::path::PathBuf;
 

@@ -130,7 +130,8 @@ fn the_room_is_around_all_that_stands() {
 #[test]
 fn states_and_visuals_are_no_obstacles() {
     let a = model("a", "1 2 0 0 0 0", &cylinder(0.5, 1.0));
-    let visual = "<model name='v'><link name='l'><visual name='v'><geometry><mesh><uri>a.dae</uri></mesh></geometry></visual></link></model>";
+    let mesh = "<geometry><mesh><uri>a.dae</uri></mesh></geometry>";
+    let visual = format!("<model name='v'><link name='l'><visual name='v'>{mesh}</visual></link></model>");
     let file = read(&format!("{a}<light name='sun'/>{visual}<state world_name='w'>{a}<model name='c'/></state>"));
     assert_eq!(file.world.obstacles().len(), 1);
 }

@@ -25,8 +25,8 @@ impl Block {
 
 /// Rectangles that cover the occupied cells, each cell once; none if they are more than `most`.
 ///
-/// Greedy: from below, every first cell still uncovered becomes the corner of a rectangle, grown first to the right and then up,
-/// or first up and then to the right, whichever covers more.
+/// Greedy: from below, every first cell still uncovered becomes the corner of a rectangle, grown first to the right and
+/// then up, or first up and then to the right, whichever covers more.
 pub(super) fn blocks(cells: &Cells, most: usize) -> Option<Vec<Block>> {
     let mut left = cells.clone();
     let mut found = Vec::new();
@@ -48,8 +48,9 @@ pub(super) fn blocks(cells: &Cells, most: usize) -> Option<Vec<Block>> {
     Some(found)
 }
 
-/// The larger of the two rectangles up and right of an occupied cell. Looks at no more cells than a few times those of the
-/// rectangle and one row and one column, so that all rectangles of a map together take time in proportion to the map.
+/// The larger of the two rectangles up and right of an occupied cell. Looks at no more cells than a few times those of
+/// the rectangle and one row and one column, so that all rectangles of a map together take time in proportion to the
+/// map.
 fn largest(cells: &Cells, left: usize, bottom: usize) -> Block {
     let is_full = |columns: Range<usize>, row: usize| cells.row(row)[columns].iter().all(|occupied| *occupied);
     let right = (left..cells.n_columns).find(|column| !cells.row(bottom)[*column]).unwrap_or(cells.n_columns);

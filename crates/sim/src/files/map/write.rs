@@ -27,9 +27,9 @@ pub struct MapFiles {
 
 /// A map of a world in cells of `resolution` metres, with its picture under the name `image`.
 ///
-/// A cell is occupied if an obstacle covers any of it or if it reaches out of the room, so that what is free on the map is free
-/// in the world. [`parse_map`](super::parse_map) reads back boxes whose map is the same, cell by cell. Start and goal stand in a key of our
-/// own, `headway`, which ROS passes over.
+/// A cell is occupied if an obstacle covers any of it or if it reaches out of the room, so that what is free on the map
+/// is free in the world. [`parse_map`](super::parse_map) reads back boxes whose map is the same, cell by cell. Start
+/// and goal stand in a key of our own, `headway`, which ROS passes over.
 ///
 /// # Errors
 /// If the resolution is not from 0.1 mm to 1 km, or makes more than 64 million cells.

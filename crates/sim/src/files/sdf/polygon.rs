@@ -13,8 +13,8 @@ const SHORTEST: f64 = 1e-5;
 /// The thinnest obstacle, metres.
 const THINNEST: f64 = 1e-6;
 
-/// The convex obstacle around points: their hull, but for corners that hardly turn, which are smoothed outwards; none around
-/// what is thinner than a micrometre.
+/// The convex obstacle around points: their hull, but for corners that hardly turn, which are smoothed outwards; none
+/// around what is thinner than a micrometre.
 pub(super) fn around(points: Vec<Point>) -> Option<Obstacle> {
     let hull = hull(points);
     if hull.len() < 3 {
@@ -69,8 +69,8 @@ fn rectangle(hull: &[Point]) -> Option<Obstacle> {
     (length.min(width) >= THINNEST).then(|| Obstacle { shape, x: center.x, y: center.y, yaw: along.y.atan2(along.x) })
 }
 
-/// The outline with its flattest corners and shortest edges smoothed outwards: such an edge goes, and its neighbours are drawn out
-/// until they meet. Gives up where they do not.
+/// The outline with its flattest corners and shortest edges smoothed outwards: such an edge goes, and its neighbours
+/// are drawn out until they meet. Gives up where they do not.
 fn smoothed(mut corners: Vec<Vector2<f64>>) -> Vec<Vector2<f64>> {
     let mut i = 0;
     let mut n_kept = 0;

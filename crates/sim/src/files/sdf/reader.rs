@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 use roxmltree::{Document, Node};
 
-use super::body::{Geometry, parse};
+use super::body::{Body, Geometry, parse};
 use super::frame::Frame;
 use super::scope::Scope;
 use super::slice::slice;
@@ -17,6 +17,9 @@ use crate::{FieldError, Obstacle, Point, Pose, Room, Shape, World};
 /// The most obstacles of a world.
 const MOST_OBSTACLES: usize = 100_000;
 
+/// The most corners of all polylines' parts together: cutting outlines into parts takes its time.
+const MOST_CORNERS: usize = 100_000;
+
 /// How deep models may be nested.
 const DEEPEST: usize = 32;
 
@@ -27,7 +30,7 @@ pub(super) fn read(document: &Document<'_>, spec: &SdfSpec) -> Result<WorldFile,
     let root = document.root_element();
     check_root(root)?;
     let world = the_world(root)?;
-    let mut reader = Reader { spec, obstacles: Vec::new(), unsupported: Vec::new(), n_unlisted: 0 };
+    let mut reader = Reader { spec, obstacles: Vec::new(), n_corners: 0, unsupported: Vec::new(), n_unlisted: 0 };
     reader.models(&Scope::new(world), &Frame::identity(), 0)?;
     reader.finish(world)
 }
@@ -62,6 +65,7 @@ fn the_world<'a, 'i: 'a>(root: Node<'a, 'i>) -> Result<Node<'a, 'i>, FileError> 
 struct Reader<'s> {
     spec: &'s SdfSpec,
     obstacles: Vec<Obstacle>,
+    n_corners: usize,
     unsupported: Vec<String>,
     n_unlisted: usize,
 }
@@ -107,12 +111,24 @@ impl Reader<'_> {
                 Geometry::Empty => {}
                 Geometry::Unsupported(what) => self.leave_out(collision, what),
                 Geometry::Body(body) => {
+                    self.count_corners(&body, collision)?;
                     let place = model.then(&scope.frame_of(collision, &frame)?);
                     for obstacle in slice(&body, &place, self.spec.slice_height) {
                         self.push(obstacle, collision)?;
                     }
                 }
             }
+        }
+        Ok(())
+    }
+
+    fn count_corners(&mut self, body: &Body, node: Node<'_, '_>) -> Result<(), FileError> {
+        if let Body::Extrusion { parts, .. } = body {
+            self.n_corners += parts.iter().map(Vec::len).sum::<usize>();
+        }
+        if self.n_corners > MOST_CORNERS {
+            let allowed = format!("at most {MOST_CORNERS} corners of convex parts in all");
+            return Err(refusal(node, FieldError::new("polylines", format!("{} corners", self.n_corners), allowed)));
         }
         Ok(())
     }

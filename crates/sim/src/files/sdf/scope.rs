@@ -25,7 +25,8 @@ impl<'a, 'i: 'a> Scope<'a, 'i> {
         Self { node, named: OnceCell::new() }
     }
 
-    /// The frame of a model, link or frame of this scope, or of an element that lies by default in `parent`, seen from the scope.
+    /// The frame of a model, link or frame of this scope, or of an element that lies by default in `parent`, seen from
+    /// the scope.
     pub(super) fn frame_of(&self, node: Node<'a, 'i>, parent: &Frame) -> Result<Frame, FileError> {
         self.resolve(node, parent, 0)
     }

@@ -6,8 +6,8 @@ use parry2d::transformation::hertel_mehlhorn;
 
 use crate::Point;
 
-/// Convex parts, counter-clockwise, that together cover a simple outline's area (Hertel and Mehlhorn 1983, at most four times
-/// as many as needed); the outline itself, corner by corner, if it is convex.
+/// Convex parts, counter-clockwise, that together cover a simple outline's area (Hertel and Mehlhorn 1983, at most four
+/// times as many as needed); the outline itself, corner by corner, if it is convex.
 ///
 /// Its last point may repeat the first; either orientation will do.
 ///

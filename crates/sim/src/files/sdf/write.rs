@@ -19,11 +19,11 @@ const TALL: f64 = 2.0;
 /// How thick walls are written, metres: outside of the room.
 const THICK: f64 = 0.1;
 
-/// An SDF 1.7 document of a world: obstacles and walls as static models of 2 m in height on a ground plane, and room, start and goal
-/// in elements of a namespace of our own, which Gazebo passes over.
+/// An SDF 1.7 document of a world: obstacles and walls as static models of 2 m in height on a ground plane, and room,
+/// start and goal in elements of a namespace of our own, which Gazebo passes over.
 ///
-/// [`parse_sdf`](super::parse_sdf) reads it back bit for bit, at any slice height from 0 to 2 m; the walls are recognised and not
-/// doubled. A list of what is unsupported is not written.
+/// [`parse_sdf`](super::parse_sdf) reads it back bit for bit, at any slice height from 0 to 2 m; the walls are
+/// recognised and not doubled. A list of what is unsupported is not written.
 ///
 /// ```
 /// use headway_sim::files::{SdfSpec, WorldFile, parse_sdf, to_sdf};
