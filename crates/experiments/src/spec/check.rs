@@ -3,7 +3,7 @@
 use headway_env::{EnvError, NavSpec};
 use headway_reward::RewardError;
 use headway_rl::RlError;
-use headway_sim::{RoomSpec, WorldSpec};
+use headway_sim::{BarnSpec, FilesSpec, RoomSpec, WorldSpec};
 
 use super::names::check_label;
 use super::{EvaluateSpec, EvaluateWorld, Fault, KeyPath, RunSpec, TrainSpec};
@@ -74,6 +74,11 @@ fn nearest_goals(world: &WorldSpec, at: KeyPath) -> (f64, KeyPath) {
         WorldSpec::Room(room) => (room.start_goal_distance, at),
         WorldSpec::Room10x15 {} => (RoomSpec::room_10x15().start_goal_distance, at),
         WorldSpec::Room25x25 {} => (RoomSpec::room_25x25().start_goal_distance, at),
+        WorldSpec::Barn(_) => (BarnSpec::goal_rule().distance, at),
+        WorldSpec::Files(FilesSpec { start: Some([x, y, _]), goal: Some(goal), .. }) => {
+            ((x - goal[0]).hypot(y - goal[1]), at)
+        }
+        WorldSpec::Files(files) => (files.start_goal_distance, at),
         WorldSpec::Mixture { worlds } => {
             let below = |index: usize| at.join("worlds").join(index.to_string()).join("world");
             let parts = worlds.iter().enumerate().map(|(index, part)| nearest_goals(&part.world, below(index)));
