@@ -34,7 +34,8 @@ pub struct Header {
 
 impl Header {
     /// Numbers that a simulation has and a robot has not, or that a policy need not match.
-    const FREE: [&'static str; 4] = ["/vehicle/n_substeps", "/vehicle/actuation", "/lidar/noise", "/lidar/dropout"];
+    const FREE: [&'static str; 5] =
+        ["/vehicle/n_substeps", "/vehicle/actuation", "/lidar/noise", "/lidar/dropout", "/lidar/grazing_angle"];
 
     /// Numbers in an observation: inputs of the network.
     ///

@@ -19,6 +19,7 @@
 //! ```
 
 mod beams;
+mod grazing;
 mod kernel;
 mod lidar;
 mod obstacle_angle;

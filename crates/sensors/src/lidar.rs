@@ -1,14 +1,16 @@
 //! A planar lidar.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 use headway_sim::check::{fraction, non_negative, positive, within};
-use headway_sim::{FieldError, Pose, World};
+use headway_sim::{FieldError, Point, Pose, World};
+use nalgebra::Vector2;
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
 use crate::beams::{Beams, LANES};
+use crate::grazing::sine;
 use crate::kernel::paint;
 
 /// A planar lidar at the vehicle's origin, as data.
@@ -29,11 +31,22 @@ pub struct LidarSpec {
     pub noise: f64,
     /// Probability that a beam is lost.
     pub dropout: f64,
+    /// Angle between a beam and a surface below which nothing comes back, so that the beam is lost, radians, from 0 to pi/2;
+    /// 0 for surfaces that always reflect.
+    pub grazing_angle: f64,
 }
 
 impl Default for LidarSpec {
     fn default() -> Self {
-        Self { n_beams: 36, field_of_view: TAU, min_range: 0.0, max_range: 5.0, noise: 0.0, dropout: 0.0 }
+        Self {
+            n_beams: 36,
+            field_of_view: TAU,
+            min_range: 0.0,
+            max_range: 5.0,
+            noise: 0.0,
+            dropout: 0.0,
+            grazing_angle: 0.0,
+        }
     }
 }
 
@@ -56,6 +69,7 @@ impl LidarSpec {
         }
         non_negative("noise", self.noise)?;
         fraction("dropout", self.dropout)?;
+        within("grazing_angle", self.grazing_angle, 0.0, FRAC_PI_2)?;
         let beam_angles = beam_angles(self.n_beams, self.field_of_view);
         let beams = Beams::new(&beam_angles, is_full_turn(self.field_of_view));
         Ok(Lidar { spec: self.clone(), beam_angles, beams })
@@ -132,6 +146,9 @@ impl Lidar {
             33..=256 => self.measure(world, pose, &mut [[0.0; LANES]; 256], ranges),
             n => self.measure(world, pose, &mut vec![[0.0; LANES]; n], ranges),
         }
+        if self.spec.grazing_angle > 0.0 {
+            self.lose_grazing(world, pose, ranges);
+        }
         if self.spec.noise > 0.0 || self.spec.dropout > 0.0 {
             self.disturb(rng, ranges);
         }
@@ -144,6 +161,20 @@ impl Lidar {
         let (min_range, max_range) = (self.spec.min_range as f32, self.spec.max_range as f32);
         for (range, inverse) in ranges.iter_mut().zip(inverse.as_flattened()) {
             *range = (1.0 / inverse).clamp(min_range, max_range);
+        }
+    }
+
+    /// Loses the beams that met something at too small an angle.
+    fn lose_grazing(&self, world: &World, pose: &Pose, ranges: &mut [f32]) {
+        let (least, max_range) = (self.spec.grazing_angle.sin(), self.spec.max_range as f32);
+        for (range, angle) in ranges.iter_mut().zip(&self.beam_angles) {
+            if *range < max_range {
+                let direction = pose.rotation * Vector2::new(angle.cos(), angle.sin());
+                let end = Point::from(pose.translation.vector + direction * f64::from(*range));
+                if sine(world, &end, &direction) < least {
+                    *range = max_range;
+                }
+            }
         }
     }
 
@@ -165,7 +196,7 @@ impl Lidar {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use headway_sim::{Obstacle, Point, Room, Shape, VehicleSpec, WorldSpec, stream};
+    use headway_sim::{Obstacle, Room, Shape, VehicleSpec, WorldSpec, stream};
     use proptest::prelude::*;
 
     fn scan(lidar: &Lidar, world: &World, pose: &Pose) -> Vec<f32> {
@@ -230,6 +261,40 @@ mod tests {
         let deviation = (errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / errors.len() as f64).sqrt();
         assert!((lost - 0.25).abs() < 0.015, "{lost}");
         assert!(mean.abs() < 0.004 && (deviation - 0.1).abs() < 0.003, "{mean} {deviation}");
+    }
+
+    /// Beams along a wall are lost beyond the distance at which they meet it at the grazing angle.
+    #[test]
+    fn grazing_beams_are_lost() {
+        let room = Room::new(40.0, 2.0);
+        let disc = Obstacle { shape: Shape::Disc { radius: 0.5 }, x: 25.0, y: 1.0, yaw: 0.0 };
+        let square = Obstacle { shape: Shape::Box { length: 0.6, width: 0.6 }, x: 17.0, y: 1.0, yaw: 0.6 };
+        let world = World::new(room, vec![disc, square]).unwrap();
+        let spec = LidarSpec { n_beams: 3600, max_range: 30.0, ..LidarSpec::default() };
+        let grazing = LidarSpec { grazing_angle: 0.25, ..spec.clone() };
+        let pose = Pose::new([20.0, 1.0].into(), 0.1);
+        let [all, seen] = [spec, grazing].map(|spec| (scan(&spec.build().unwrap(), &world, &pose), spec));
+        let angles = seen.1.build().unwrap();
+        for ((clean, range), angle) in all.0.iter().zip(&seen.0).zip(angles.beam_angles()) {
+            let world_angle = angle + 0.1;
+            let end = Point::new(20.0, 1.0) + Vector2::new(world_angle.cos(), world_angle.sin()) * f64::from(*clean);
+            // The sine of the angle to each surface by its own formula: walls along x, the disc, the square's four sides.
+            let sine = if end.y < 0.01 || end.y > 1.99 {
+                world_angle.sin().abs()
+            } else if end.x > 24.0 && end.x < 26.0 {
+                let across = (Point::new(25.0, 1.0) - Point::new(20.0, 1.0))
+                    .perp(&Vector2::new(world_angle.cos(), world_angle.sin()));
+                (1.0 - (across / 0.5).powi(2)).max(0.0).sqrt()
+            } else {
+                let local = Pose::new([17.0, 1.0].into(), 0.6).inverse_transform_point(&end);
+                let turned = world_angle - 0.6;
+                if local.x.abs() > local.y.abs() { turned.cos().abs() } else { turned.sin().abs() }
+            };
+            if (sine - 0.25_f64.sin()).abs() > 0.02 {
+                assert_eq!(*range == 30.0, sine < 0.25_f64.sin(), "{end} {sine}");
+            }
+        }
+        assert!(seen.0.iter().filter(|range| **range == 30.0).count() > 300);
     }
 
     #[test]
