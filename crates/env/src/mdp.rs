@@ -13,7 +13,7 @@ use crate::robot::Robot;
 use crate::{ActionSet, Control, Encoder, EnvError, GoalHandling, NavSpec, RouteSource};
 
 /// A navigation MDP, checked once and shared by all who act in it.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Mdp {
     pub(crate) source: WorldSource,
     /// The one that drivers know; what drives differs from it where numbers are randomised.

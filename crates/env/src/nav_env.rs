@@ -5,7 +5,7 @@ use std::num::NonZeroUsize;
 use std::sync::Arc;
 
 use headway_planning::Sensed;
-use headway_sim::Command;
+use headway_sim::{Command, WorldSpec};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::{Deserialize, Serialize};
 
@@ -81,6 +81,19 @@ impl NavEnv {
     #[must_use]
     pub fn mdp(&self) -> &Arc<Mdp> {
         &self.mdp
+    }
+
+    /// Lets all episodes that begin from now on take place in another world.
+    ///
+    /// # Errors
+    /// If the world's numbers are not allowed, or what is in it cannot be placed.
+    pub fn set_world(&mut self, world: &WorldSpec) -> Result<(), EnvError> {
+        let source = world.build(self.mdp.vehicle().footprint())?;
+        self.mdp = Arc::new(Mdp { source, ..Mdp::clone(&self.mdp) });
+        for navigator in &mut self.navigators {
+            navigator.set_mdp(Arc::clone(&self.mdp));
+        }
+        Ok(())
     }
 
     /// The vehicles, one per copy; none before the first reset.

@@ -131,6 +131,11 @@ impl Navigator {
         self.state.before.clone_from(&self.state.after);
     }
 
+    /// Goes on by rules that differ in their world alone: from the next episode on.
+    pub(crate) fn set_mdp(&mut self, mdp: Arc<Mdp>) {
+        self.mdp = mdp;
+    }
+
     /// Takes an action of the MDP's set, chosen on the present observation.
     ///
     /// # Errors

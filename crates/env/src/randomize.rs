@@ -89,7 +89,7 @@ struct Tables {
 }
 
 /// The checked table.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Randomizer {
     /// JSON pointers and distributions.
     draws: Vec<(String, Distribution)>,

@@ -43,6 +43,8 @@ pub struct Training<'a> {
     env: NavEnv,
     agent: Dqn,
     n_env_steps: u64,
+    /// How many stages of the curriculum are over.
+    stage: usize,
     /// The observations to act on, `[n_envs, obs_dim]`.
     obs: Vec<f32>,
     actions: Vec<u32>,
@@ -98,7 +100,11 @@ impl<'a> Training<'a> {
     /// If the spec is not allowed.
     pub fn new(spec: &'a RunSpec, seed: u64) -> Result<Self, Error> {
         let n_envs = spec.train.n_envs;
-        let mut env = NavEnv::new(spec.training().build().map_err(Error::failure)?, n_envs);
+        let mut rules = spec.training();
+        if let Some(first) = spec.train.curriculum.first() {
+            rules.world = first.world.clone();
+        }
+        let mut env = NavEnv::new(rules.build().map_err(Error::failure)?, n_envs);
         let (obs_dim, n_actions) = (env.obs_dim(), env.n_actions());
         let agent_seed = stream_seed(seed, "agent", 0);
         let agent = spec.agent.build(obs_dim, n_actions, n_envs, spec.train.n_steps, agent_seed);
@@ -109,6 +115,7 @@ impl<'a> Training<'a> {
             seed,
             agent: agent.map_err(Error::failure)?,
             n_env_steps: 0,
+            stage: 0,
             obs,
             actions: vec![0; n_envs],
             step: Step::new(n_envs, obs_dim),
@@ -135,6 +142,7 @@ impl<'a> Training<'a> {
     /// If the environment or the agent fails.
     pub fn step(&mut self) -> Result<(), Error> {
         self.agent.act(&self.obs, Mode::Explore, &mut self.actions).map_err(Error::failure)?;
+        self.follow_curriculum()?;
         self.env.step(&self.actions, &mut self.step).map_err(Error::failure)?;
         let step = &self.step;
         let batch = StepBatch {
@@ -152,6 +160,18 @@ impl<'a> Training<'a> {
             self.interval.count_update(&loss);
         }
         std::mem::swap(&mut self.obs, &mut self.step.obs);
+        Ok(())
+    }
+
+    /// Goes on to the next world when a stage is over.
+    fn follow_curriculum(&mut self) -> Result<(), Error> {
+        let stages = &self.spec.train.curriculum;
+        let progress = self.n_env_steps as f64 / self.spec.train.n_steps as f64;
+        while stages.get(self.stage).is_some_and(|stage| progress >= stage.until) {
+            self.stage += 1;
+            let world = stages.get(self.stage).map_or(&self.spec.world, |stage| &stage.world);
+            self.env.set_world(world).map_err(Error::failure)?;
+        }
         Ok(())
     }
 

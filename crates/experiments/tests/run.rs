@@ -422,3 +422,27 @@ fn a_drawing_is_of_the_first_world() {
     bench.succeed(&args);
     assert!(fs::read_to_string(bench.path("drive.svg")).unwrap().contains("small, episode 0"));
 }
+
+/// Stages of a curriculum come one after the other, and the spec's own world last.
+#[test]
+fn a_curriculum_changes_what_is_trained_in() {
+    use headway_experiments::spec::{RunSpec, Stage};
+    use headway_experiments::train::Training;
+    use headway_sim::WorldSpec;
+
+    let layers = |curriculum: Vec<Stage>, world: WorldSpec| {
+        let mut spec = RunSpec { world, ..RunSpec::default() };
+        (spec.train.n_steps, spec.train.curriculum) = (6400, curriculum);
+        let mut training = Training::new(&spec, 0).unwrap();
+        while !training.is_over() {
+            training.step().unwrap();
+        }
+        training.policy().unwrap().layers().to_vec()
+    };
+    let stage = |until, world| Stage { until, world };
+    let (small, large) = (WorldSpec::Room10x15 {}, WorldSpec::Room25x25 {});
+    let only_small = layers(vec![], small.clone());
+    // A stage that lasts to the end is all there is; one in between makes a difference.
+    assert_eq!(layers(vec![stage(1.0, small.clone())], large.clone()), only_small);
+    assert_ne!(layers(vec![stage(0.3, large)], small), only_small);
+}

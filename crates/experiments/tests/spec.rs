@@ -313,7 +313,7 @@ prop_compose! {
                 actions: headway_env::ActionSpec::Accelerate { yaw_rates: rates },
                 ..default.env
             },
-            train: TrainSpec { n_steps, n_envs, log_every },
+            train: TrainSpec { n_steps, n_envs, log_every, curriculum: vec![] },
             evaluate: EvaluateSpec { n_episodes, seed, ..default.evaluate },
             ..RunSpec::default()
         }

@@ -18,6 +18,7 @@ impl RunSpec {
         self.evaluate.check()?;
         self.agent.validate().map_err(|error| of_agent(&error))?;
         let mdp = self.training().build().map_err(|error| of_env(&error))?;
+        self.check_curriculum()?;
         check_episodes(&self.training(), &KeyPath::default())?;
         self.check_memory(mdp.obs_dim(), mdp.actions().len())?;
         for (index, world) in self.evaluate.worlds.iter().enumerate() {
@@ -25,6 +26,21 @@ impl RunSpec {
             let built = mdp.build().map_err(|error| of_env(&error));
             let at = KeyPath::new(["evaluate", "worlds", &index.to_string()]);
             built.and_then(|_| check_episodes(&mdp, &at)).map_err(|fault| in_evaluation(fault, index))?;
+        }
+        Ok(())
+    }
+
+    /// Builds the world of every stage once.
+    fn check_curriculum(&self) -> Result<(), Fault> {
+        for (index, stage) in self.train.curriculum.iter().enumerate() {
+            let mdp = NavSpec { world: stage.world.clone(), ..self.training() };
+            let at = KeyPath::new(["train", "curriculum", &index.to_string()]);
+            let of_stage = |fault: Fault| match fault.path.segments() {
+                [first, ..] if first == "world" => Fault { path: at.extend(&fault.path), ..fault },
+                _ => fault,
+            };
+            mdp.build().map_err(|error| of_stage(of_env(&error)))?;
+            check_episodes(&mdp, &at)?;
         }
         Ok(())
     }
@@ -95,7 +111,15 @@ impl TrainSpec {
         let least = self.n_envs as u64;
         let problem = format!("must be {least} or more: train.n_envs copies of the environment step together");
         require(self.n_steps >= least, "train.n_steps", &problem)?;
-        require(self.n_steps <= 1_000_000_000_000, "train.n_steps", "must be 10^12 or less")
+        require(self.n_steps <= 1_000_000_000_000, "train.n_steps", "must be 10^12 or less")?;
+        let mut before = 0.0;
+        for (index, stage) in self.curriculum.iter().enumerate() {
+            let is_next = stage.until > before && stage.until <= 1.0;
+            let problem = format!("must be above {before} and at most 1: the stages follow each other");
+            require(is_next, &format!("train.curriculum.{index}.until"), &problem)?;
+            before = stage.until;
+        }
+        Ok(())
     }
 }
 

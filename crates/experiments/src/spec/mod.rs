@@ -68,4 +68,4 @@ pub use error::{Fault, Place, SpecError};
 pub use grid::{Cell, Grid};
 pub use head::{Axis, Seeds};
 pub use path::KeyPath;
-pub use run::{EvaluateSpec, EvaluateWorld, RunSpec, TrainSpec};
+pub use run::{EvaluateSpec, EvaluateWorld, RunSpec, Stage, TrainSpec};

@@ -43,8 +43,8 @@ pub struct RunSpec {
     pub evaluate: EvaluateSpec,
 }
 
-/// How long a run trains.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+/// How long a run trains, and by which curriculum.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrainSpec {
     /// Env steps of the whole training, over all copies of the environment, from `n_envs` to 10^12. All copies step
@@ -54,6 +54,20 @@ pub struct TrainSpec {
     pub n_envs: usize,
     /// Env steps between two rows of the training metrics, 1 or more.
     pub log_every: u64,
+    /// Worlds to train in first, one after the other: say, with wider gaps or fewer obstacles. After the last of them, and
+    /// from the start where there is none, episodes are those of `[world]`.
+    pub curriculum: Vec<Stage>,
+}
+
+/// A part of a curriculum.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Stage {
+    /// The fraction of all env steps up to which new episodes come from this world, from 0 to 1 and above that of the stage
+    /// before.
+    pub until: f64,
+    /// The world.
+    pub world: WorldSpec,
 }
 
 /// Where and how often a trained policy is evaluated.
@@ -82,7 +96,7 @@ pub struct EvaluateWorld {
 
 impl Default for TrainSpec {
     fn default() -> Self {
-        Self { n_steps: 100_000, n_envs: 32, log_every: 10_000 }
+        Self { n_steps: 100_000, n_envs: 32, log_every: 10_000, curriculum: Vec::new() }
     }
 }
 

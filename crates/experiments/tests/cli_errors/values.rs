@@ -86,7 +86,7 @@ fn keys_and_types() {
             "[lidar]\nn_beans = 36",
             &[],
             "spec.toml:2: lidar.n_beans = 36: unknown key `n_beans`; did you mean `n_beams`? Keys of `lidar`: \
-             `n_beams`, `field_of_view`, `min_range`, `max_range`, `noise`, `dropout`",
+             `n_beams`, `field_of_view`, `min_range`, `max_range`, `noise`, `dropout`, `grazing_angle`",
         ),
         (
             "[agnet]\ngamma = 0.9",
@@ -302,4 +302,52 @@ fn faults_that_take_two_values() {
         "spec.toml:3 (axis \"l\", level \"near\"): lidar.max_range = 3.0: must be more than min_range = 4 (in the cell \
          l=near, after --set lidar.min_range=4)",
     );
+}
+
+/// Vehicles, sensors, routes, worlds and curricula of real robots.
+#[test]
+fn robots() {
+    check_all(&[
+        (
+            "[vehicle]\npreset = \"husky\"",
+            &[],
+            "spec.toml:2: vehicle.preset = \"husky\": unknown choice. Known: `default`, `turtlebot3_burger`, \
+             `turtlebot3_waffle`, `jackal`",
+        ),
+        (
+            "[vehicle]\ndrive = { type = \"ackermann\", wheelbase = 0.3, max_steering_angle = 2.0, max_steering_rate = 1.0 }",
+            &[],
+            "spec.toml:2: vehicle.drive.max_steering_angle = 2.0: must be from 0 to 1.5607963267948965",
+        ),
+        (
+            "[randomize]\n\"vehicle.max_sped\" = { uniform = [1.0, 2.0] }",
+            &[],
+            "spec.toml:1: randomize.\"vehicle.max_sped\": must be the path of a number of vehicle, lidar or odometry",
+        ),
+        (
+            "[env.observation]\nlook_ahead = [1.0]",
+            &[],
+            "spec.toml:2: env.observation.look_ahead = [1.0]: must be used with a route: set `route`, to `true_map` for example",
+        ),
+        (
+            "[env.observation]\nn_sectors = 7",
+            &[],
+            "spec.toml:2: env.observation.n_sectors = 7: must be 0 or a divisor of the 36 beams",
+        ),
+        (
+            "[world]\ntype = \"files\"\npaths = [\"nowhere.world\"]",
+            &[],
+            "spec.toml:1: world: nowhere.world: cannot be read: No such file or directory (os error 2)",
+        ),
+        (
+            "[[train.curriculum]]\nuntil = 0.5\nworld = { type = \"barn\" }\n[[train.curriculum]]\nuntil = 0.4\nworld = { type = \"barn\" }",
+            &[],
+            "spec.toml:5: train.curriculum.1.until = 0.4: must be above 0.5 and at most 1: the stages follow each other",
+        ),
+        (
+            "[[train.curriculum]]\nuntil = 0.5\nworld = { type = \"barn\", fill = 1.5 }",
+            &[],
+            "spec.toml:3: train.curriculum.0.world.fill = 1.5: must be from 0 to 1",
+        ),
+    ]);
 }
