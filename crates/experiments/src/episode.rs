@@ -59,4 +59,7 @@ pub struct EpisodeRecord {
     pub n_decelerations: u32,
     /// Number of decelerations for which nothing ahead gave a reason, see [`EpisodeMeter`].
     pub n_needless_decelerations: u32,
+    /// The numbers that the episode drew by `[randomize]`, `path=value` each, divided by blanks; empty where there are none.
+    #[serde(default)]
+    pub drawn: String,
 }

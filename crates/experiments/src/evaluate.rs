@@ -99,7 +99,9 @@ impl ScenarioSet {
             });
             watch(&vehicle);
             if let Some(outcome) = outcome(&end) {
-                return Ok(meter.finish(index as u64, outcome, *geodesic));
+                let drawn: Vec<String> = vehicle.drawn().map(|(path, number)| format!("{path}={number}")).collect();
+                let record = meter.finish(index as u64, outcome, *geodesic);
+                return Ok(EpisodeRecord { drawn: drawn.join(" "), ..record });
             }
         }
     }

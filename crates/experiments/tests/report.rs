@@ -33,6 +33,7 @@ fn episodes(skill: u32, world: u32) -> Vec<EpisodeRecord> {
                 near_distance: 0.5,
                 n_decelerations: scenario,
                 n_needless_decelerations: scenario / 4,
+                drawn: String::new(),
             }
         })
         .collect()

@@ -128,6 +128,7 @@ impl EpisodeMeter {
             near_distance: self.near_distance,
             n_decelerations: self.n_decelerations,
             n_needless_decelerations: self.n_needless_decelerations + u32::from(self.braking == Braking::Needless),
+            drawn: String::new(),
         }
     }
 }

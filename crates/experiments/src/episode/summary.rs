@@ -187,6 +187,7 @@ mod tests {
             near_distance: 0.5,
             n_decelerations: 3,
             n_needless_decelerations: 1,
+            drawn: String::new(),
         }
     }
 
