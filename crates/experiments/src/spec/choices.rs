@@ -11,7 +11,7 @@ use super::{KeyPath, RunSpec, path};
 ///
 /// ```
 /// use headway_experiments::spec::choices;
-/// assert_eq!(choices("world.type"), ["room", "room_10x15", "room_25x25", "mixture"]);
+/// assert_eq!(choices("world.type"), ["room", "room_10x15", "room_25x25", "barn", "files", "mixture"]);
 /// assert!(choices("agent.gamma").is_empty());
 /// ```
 pub fn choices(path: &str) -> Vec<String> {
