@@ -7,7 +7,7 @@ use std::sync::Arc;
 use headway_env::{EnvSpec, Event, Mdp, NavSpec, Navigator, StepEnd};
 use headway_planning::Controller;
 use headway_policy::{Driver, Policy};
-use headway_sim::{Point, Scenario, Surface, stream_seed};
+use headway_sim::{Point, Room, Scenario, Surface, stream_seed};
 
 use crate::Error;
 use crate::episode::{EpisodeMeter, EpisodeRecord, Outcome, Sample};
@@ -76,9 +76,7 @@ impl ScenarioSet {
         index: usize,
         mut watch: impl FnMut(&Navigator),
     ) -> Result<EpisodeRecord, Error> {
-        let (scenario, geodesic) = self.scenarios.get(index).ok_or_else(|| {
-            Error::Input(format!("there is no episode {index}: there are {}, counted from 0", self.len()))
-        })?;
+        let (scenario, geodesic) = self.scenarios.get(index).ok_or_else(|| self.no_episode(index))?;
         let mut vehicle = Navigator::in_scenario(Arc::clone(mdp), scenario.clone(), self.seed, index as u64)
             .map_err(Error::failure)?;
         let mut meter = EpisodeMeter::new(mdp.vehicle().spec().max_acceleration);
@@ -125,27 +123,71 @@ impl ScenarioSet {
         index: usize,
         title: String,
     ) -> Result<Trajectory, Error> {
-        let (mut samples, mut t) = (Vec::new(), 0.0);
-        let record = self.drive(mdp, driver, index, |vehicle| {
-            t += vehicle.step_duration();
-            let (pose, twist) = (vehicle.vehicle().pose, vehicle.vehicle().twist);
-            let (x, y) = (pose.translation.x, pose.translation.y);
-            samples.push(PathSample { t, x, y, yaw: pose.rotation.angle(), speed: twist.x });
-        })?;
-        let (scenario, _) = &self.scenarios[index];
-        let room = scenario.world.room();
-        Ok(Trajectory {
-            title,
-            width: room.width,
-            height: room.height,
-            obstacles: outlines(scenario),
-            goal: [scenario.goal.x, scenario.goal.y],
-            reach_radius: mdp.reach_radius(),
-            footprint_radius: mdp.vehicle().footprint().circumradius(),
-            samples,
-            outcome: record.outcome,
-        })
+        let Some((scenario, _)) = self.scenarios.get(index) else {
+            return Err(self.no_episode(index));
+        };
+        draw(mdp, scenario, title, |watch| Ok(self.drive(mdp, driver, index, watch)?.outcome))
     }
+
+    fn no_episode(&self, index: usize) -> Error {
+        Error::Input(format!("there is no episode {index}: there are {}, counted from 0", self.len()))
+    }
+}
+
+/// A drive in a scenario as a picture needs it; `drive` shows every state of it and tells how it ended.
+pub(crate) fn draw(
+    mdp: &Mdp,
+    scenario: &Scenario,
+    title: String,
+    drive: impl FnOnce(&mut dyn FnMut(&Navigator)) -> Result<Outcome, Error>,
+) -> Result<Trajectory, Error> {
+    let (mut samples, mut t) = (Vec::new(), 0.0);
+    let outcome = drive(&mut |vehicle| {
+        t += vehicle.step_duration();
+        let (pose, twist) = (vehicle.vehicle().pose, vehicle.vehicle().twist);
+        let (x, y) = (pose.translation.x, pose.translation.y);
+        samples.push(PathSample { t, x, y, yaw: pose.rotation.angle(), speed: twist.x });
+    })?;
+    let (obstacles, room) = (outlines(scenario), scenario.world.room());
+    let view = view(&room, &obstacles, [scenario.start.translation.vector.into(), scenario.goal]);
+    Ok(Trajectory {
+        title,
+        x: view.x,
+        y: view.y,
+        width: view.width,
+        height: view.height,
+        obstacles,
+        goal: [scenario.goal.x, scenario.goal.y],
+        reach_radius: mdp.reach_radius(),
+        footprint_radius: mdp.vehicle().footprint().circumradius(),
+        samples,
+        outcome,
+    })
+}
+
+/// The part of a room that is shown: all of it, or where most of it is empty, what stands in it, the ends of the way, and a
+/// metre around.
+fn view(room: &Room, obstacles: &[Outline], ends: [Point; 2]) -> Room {
+    const MARGIN: f64 = 1.0;
+    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    let mut hold = |point: [f64; 2], radius: f64| {
+        for axis in 0..2 {
+            low[axis] = low[axis].min(point[axis] - radius);
+            high[axis] = high[axis].max(point[axis] + radius);
+        }
+    };
+    ends.iter().for_each(|end| hold([end.x, end.y], 0.0));
+    for obstacle in obstacles {
+        match obstacle {
+            Outline::Disc { x, y, radius } => hold([*x, *y], *radius),
+            Outline::Polygon { points } => points.iter().for_each(|point| hold(*point, 0.0)),
+        }
+    }
+    let (x, y) = ((low[0] - MARGIN).max(room.x), (low[1] - MARGIN).max(room.y));
+    let right = (high[0] + MARGIN).min(room.x + room.width);
+    let above = (high[1] + MARGIN).min(room.y + room.height);
+    let part = Room { x, y, width: right - x, height: above - y };
+    if part.width * part.height < 0.5 * room.width * room.height { part } else { *room }
 }
 
 fn outlines(scenario: &Scenario) -> Vec<Outline> {

@@ -1,5 +1,6 @@
 //! Specs, grids, the training loop, evaluation, statistics and reports: the experiments binary.
 
+pub mod candidate;
 pub mod cli;
 mod difference;
 pub mod episode;
@@ -8,6 +9,7 @@ pub mod evaluate;
 pub mod jobs;
 mod plan;
 pub mod plot;
+pub mod protocol;
 pub mod report;
 pub mod spec;
 pub mod stats;

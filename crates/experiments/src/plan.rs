@@ -3,13 +3,16 @@
 mod conflict;
 
 use std::collections::HashMap;
+use std::fs;
+use std::path::{Path, PathBuf};
 
+use headway_sim::WorldSpec;
 use serde::Serialize;
 
 use crate::Error;
-use crate::spec::{EvaluateWorld, Grid, RunSpec};
+use crate::spec::{EvaluateSpec, EvaluateWorld, Grid, PolicySpec, RunSpec};
 use crate::store::{
-    AxisLevel, Cell, EvaluationKey, GridAxis, Id, Index, IndexedEvaluation, IndexedRun, StoreError, TrainKey,
+    AxisLevel, Cell, EvaluationKey, GridAxis, Id, Index, IndexedEvaluation, IndexedRun, TrainKey, digest,
 };
 
 /// The runs of a grid, and the index that says where their results belong.
@@ -20,7 +23,7 @@ pub(crate) struct Plan<'a> {
     pub(crate) index: Index,
 }
 
-/// One training run, and the evaluations of its policy that any cell asks for.
+/// One run, and the evaluations of who drives in it that any cell asks for.
 #[derive(Debug)]
 pub(crate) struct Run<'a> {
     pub(crate) spec: &'a RunSpec,
@@ -32,49 +35,127 @@ pub(crate) struct Run<'a> {
 }
 
 /// One evaluation of a run.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Evaluation<'a> {
     pub(crate) id: Id,
+    pub(crate) key: EvaluationKey<'a, WorldSpec>,
+    /// See [`scenarios_name`].
+    pub(crate) scenarios: String,
     pub(crate) spec: &'a RunSpec,
     pub(crate) world: &'a EvaluateWorld,
 }
 
-/// The tables of a run that its training depends on: all but `[evaluate]`.
+/// The tables that a run depends on: of a policy that is trained all but `[policy]` and `[evaluate]`, of any other those that it
+/// drives by.
 #[derive(Debug, Serialize)]
 pub(crate) struct TrainTables<'a> {
-    world: &'a headway_sim::WorldSpec,
+    /// SHA-256 of the files that take part: those of training worlds, or a policy's.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    files: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    policy: Option<&'a crate::spec::PolicySpec>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    world: Option<&'a headway_sim::WorldSpec>,
     vehicle: &'a headway_sim::VehicleSpec,
     lidar: &'a headway_sensors::LidarSpec,
     odometry: &'a headway_sensors::OdometrySpec,
     randomize: &'a headway_env::RandomizeSpec,
     env: &'a headway_env::EnvSpec,
-    reward: &'a dyn headway_reward::Reward,
-    agent: &'a headway_rl::DqnSpec,
-    train: &'a crate::spec::TrainSpec,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reward: Option<&'a dyn headway_reward::Reward>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    agent: Option<&'a headway_rl::DqnSpec>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    train: Option<&'a crate::spec::TrainSpec>,
 }
 
 impl<'a> TrainTables<'a> {
-    pub(crate) fn of(spec: &'a RunSpec) -> Self {
-        let RunSpec { world, vehicle, lidar, odometry, randomize, env, reward, agent, train, evaluate: _ } = spec;
-        Self { world, vehicle, lidar, odometry, randomize, env, reward: &**reward, agent, train }
+    /// Those of a spec.
+    ///
+    /// # Errors
+    /// If a file that takes part cannot be read.
+    pub(crate) fn of(spec: &'a RunSpec) -> Result<Self, Error> {
+        let RunSpec { world, vehicle, lidar, odometry, randomize, env, policy, reward, agent, train, evaluate: _ } =
+            spec;
+        let is_learned = policy.is_learned();
+        let files = match policy {
+            PolicySpec::Learned {} => digests_of(world)?,
+            PolicySpec::File { path } => vec![digest_of(path)?],
+            _ => Vec::new(),
+        };
+        Ok(Self {
+            files,
+            policy: (!is_learned).then_some(policy),
+            world: is_learned.then_some(world),
+            vehicle,
+            lidar,
+            odometry,
+            randomize,
+            env,
+            reward: is_learned.then_some(&**reward),
+            agent: is_learned.then_some(agent),
+            train: is_learned.then_some(train),
+        })
     }
 }
 
-/// The id of the training run of a spec with a seed.
-///
-/// # Errors
-/// [`StoreError::Serialise`] if the spec has no TOML form.
-pub(crate) fn train_id(spec: &RunSpec, seed: u64) -> Result<Id, StoreError> {
-    TrainKey { spec: &TrainTables::of(spec), seed, reward_version: spec.reward.version() }.id()
+/// SHA-256 of the files that scenarios of a world come from; none of a world that needs no files.
+fn digests_of(world: &WorldSpec) -> Result<Vec<String>, Error> {
+    let files = world.files().map_err(|error| Error::Input(error.to_string()))?;
+    files.iter().map(|path| digest_of(path)).collect()
 }
 
-/// What an evaluation depends on beside the trained policy.
+/// SHA-256 of a file, and of the picture that it names if it is a map.
+fn digest_of(path: &Path) -> Result<String, Error> {
+    let read = |path: &Path| fs::read(path).map_err(|error| Error::io("read", path, error));
+    let mut bytes = read(path)?;
+    if let Some(image) = image_of(path, &bytes).filter(|image| image.is_file()) {
+        bytes.extend(read(&image)?);
+    }
+    Ok(digest(&bytes))
+}
+
+/// The picture that a map of map_server names.
+fn image_of(path: &Path, bytes: &[u8]) -> Option<PathBuf> {
+    path.extension().filter(|ending| *ending == "yaml" || *ending == "yml")?;
+    let text = std::str::from_utf8(bytes).ok()?;
+    let name = text.lines().find_map(|line| line.strip_prefix("image:"))?;
+    Some(path.parent()?.join(name.trim().trim_matches(['"', '\''])))
+}
+
+/// The id of the run of a spec with a seed, which makes no difference where nothing is trained.
+///
+/// # Errors
+/// If a file that takes part cannot be read, or the spec has no TOML form.
+pub(crate) fn train_id(spec: &RunSpec, seed: u64) -> Result<Id, Error> {
+    let (seed, reward_version) = seed_and_reward(spec, seed);
+    Ok(TrainKey { spec: &TrainTables::of(spec)?, seed, reward_version }.id()?)
+}
+
+/// The seed and the version of the reward that count; zeros where nothing is trained.
+pub(crate) fn seed_and_reward(spec: &RunSpec, seed: u64) -> (u64, u32) {
+    if spec.policy.is_learned() { (seed, spec.reward.version()) } else { (0, 0) }
+}
+
+/// What an evaluation depends on beside who drives.
+///
+/// # Errors
+/// If a world file cannot be read.
 pub(crate) fn evaluation_key<'a>(
     spec: &RunSpec,
     world: &'a EvaluateWorld,
-) -> EvaluationKey<'a, headway_sim::WorldSpec> {
+) -> Result<EvaluationKey<'a, WorldSpec>, Error> {
     let EvaluateWorld { name: _, time_limit, world } = world;
-    EvaluationKey { n_episodes: spec.evaluate.n_episodes, seed: spec.evaluate.seed, time_limit: *time_limit, world }
+    let EvaluateSpec { n_episodes, seed, shield, worlds: _ } = &spec.evaluate;
+    let shield = shield.map(|shield| shield.for_vehicle(&spec.vehicle));
+    Ok(EvaluationKey {
+        n_episodes: *n_episodes,
+        seed: *seed,
+        time_limit: *time_limit,
+        files: digests_of(world)?,
+        shield,
+        world,
+    })
 }
 
 impl<'a> Plan<'a> {
@@ -88,7 +169,7 @@ impl<'a> Plan<'a> {
         for (cell, indexed) in grid.cells.iter().zip(0..) {
             let evaluations = evaluations(&cell.spec)?;
             plan.index.cells[indexed].evaluations = evaluations.iter().map(Evaluation::indexed).collect();
-            for seed in grid.seeds.iter() {
+            for seed in grid.seeds_of(&cell.spec) {
                 let id = train_id(&cell.spec, seed)?;
                 plan.index.cells[indexed].runs.push(IndexedRun { seed, train_id: id.clone() });
                 let place = *places.entry(id.clone()).or_insert(plan.runs.len());
@@ -118,9 +199,23 @@ fn index(grid: &Grid) -> Index {
 }
 
 /// The evaluations that a cell asks for.
-fn evaluations(spec: &RunSpec) -> Result<Vec<Evaluation<'_>>, StoreError> {
-    let evaluation = |world| Ok(Evaluation { id: evaluation_key(spec, world).id()?, spec, world });
+fn evaluations(spec: &RunSpec) -> Result<Vec<Evaluation<'_>>, Error> {
+    let evaluation = |world| {
+        let key = evaluation_key(spec, world)?;
+        Ok(Evaluation { id: key.id()?, scenarios: scenarios_name(spec, &key)?, key, spec, world })
+    };
     spec.evaluate.worlds.iter().map(evaluation).collect()
+}
+
+/// A name for all that the scenarios of an evaluation depend on: the world, how many, the seed, the vehicle that must fit
+/// through, and the goal's radius.
+///
+/// # Errors
+/// If the world has no TOML form.
+pub(crate) fn scenarios_name(spec: &RunSpec, key: &EvaluationKey<'_, WorldSpec>) -> Result<String, Error> {
+    // Neither the time limit nor a shield makes a difference.
+    let key = EvaluationKey { time_limit: 1.0, shield: None, ..key.clone() }.id()?;
+    Ok(format!("{key}/{:?}/{}", spec.vehicle.footprint, spec.env.reach_radius))
 }
 
 impl Evaluation<'_> {
@@ -136,9 +231,9 @@ impl<'a> Run<'a> {
 
     /// Adds the evaluations that the run does not yet have.
     fn also(&mut self, evaluations: &[Evaluation<'a>]) {
-        for Evaluation { id, spec, world } in evaluations {
-            if self.evaluations.iter().all(|known| known.id != *id) {
-                self.evaluations.push(Evaluation { id: id.clone(), spec, world });
+        for evaluation in evaluations {
+            if self.evaluations.iter().all(|known| known.id != evaluation.id) {
+                self.evaluations.push(evaluation.clone());
             }
         }
     }

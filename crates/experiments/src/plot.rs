@@ -15,12 +15,16 @@ pub use figure::{figure, small_multiples};
 
 use crate::episode::Outcome;
 
-/// A drive to be drawn: where, past what, and how. Lengths in m, angles in radians; the room is `[0, width] x [0,
-/// height]`.
+/// A drive to be drawn: where, past what, and how. Lengths in m, angles in radians; the room, or the part of it that is
+/// shown, is `[x, x + width] x [y, y + height]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trajectory {
     /// What stands above the room, such as the world and the scenario.
     pub title: String,
+    /// Left end of the room, m.
+    pub x: f64,
+    /// Lower end of the room, m.
+    pub y: f64,
     /// Extent of the room in x, m, positive.
     pub width: f64,
     /// Extent of the room in y, m, positive.

@@ -28,6 +28,7 @@ mod run;
 mod timing;
 
 pub use done::State;
+pub(crate) use done::digest;
 pub use error::StoreError;
 pub use id::{EvaluationKey, Id, TrainKey};
 pub use index::{AxisLevel, Cell, GridAxis, Index, IndexedEvaluation, IndexedRun};

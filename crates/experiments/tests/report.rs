@@ -79,7 +79,7 @@ impl Fixture {
 }
 
 fn key(world: &&'static str) -> EvaluationKey<'static, str> {
-    EvaluationKey { n_episodes: 8, seed: 1, time_limit: 60.0, world }
+    EvaluationKey { n_episodes: 8, seed: 1, time_limit: 60.0, files: Vec::new(), shield: None, world }
 }
 
 fn evaluations() -> Vec<IndexedEvaluation> {

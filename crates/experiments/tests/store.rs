@@ -34,7 +34,7 @@ fn id(seed: u64) -> Id {
 }
 
 fn key() -> EvaluationKey<'static, Agent> {
-    EvaluationKey { n_episodes: 2, seed: 7, time_limit: 60.0, world: &SPEC.agent }
+    EvaluationKey { n_episodes: 2, seed: 7, time_limit: 60.0, files: Vec::new(), shield: None, world: &SPEC.agent }
 }
 
 fn finish_run(run: &RunFolder) {

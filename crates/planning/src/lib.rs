@@ -20,6 +20,7 @@
 
 mod controller;
 mod costmap;
+mod driver_spec;
 mod dwa;
 mod grid;
 mod planned;
@@ -39,6 +40,7 @@ mod vfh;
 
 pub use controller::{Controller, Sensed};
 pub use costmap::{Costmap, CostmapSpec, INSCRIBED, LETHAL};
+pub use driver_spec::DriverSpec;
 pub use dwa::{Dwa, DwaSpec, ObstacleCost};
 pub use grid::GridMap;
 pub use planned::Planned;

@@ -58,7 +58,7 @@ pub enum Command {
     List(ListArgs),
     /// Summarise a folder of finished runs with intervals over the training seeds.
     Report(ReportArgs),
-    /// Drive a policy file through a spec's evaluation worlds.
+    /// Drive a policy file, or a classical driver, through a spec's evaluation worlds or by a protocol.
     Evaluate(EvaluateArgs),
 }
 
@@ -135,14 +135,32 @@ pub struct ReportArgs {
 Examples:
   experiments evaluate policy.safetensors --spec specs/quick.toml
   experiments evaluate policy.safetensors --spec specs/quick.toml --world 10x15 --plot drive.svg
-  experiments evaluate policy.safetensors --spec specs/quick.toml --episodes 20 --seed 7 --plot drives.svg --plot-episodes 0,1,2")]
+  experiments evaluate policy.safetensors --spec specs/quick.toml --episodes 20 --seed 7 --plot drives.svg --plot-episodes 0,1,2
+  experiments evaluate dwa --spec specs/quick.toml --set policy.max_speed=1.0
+  experiments evaluate dwa --protocol barn --worlds barn/worlds
+  experiments evaluate policy.safetensors --protocol barn --worlds barn/worlds --world world_3 --plot drive.svg")]
 pub struct EvaluateArgs {
-    /// The policy file that a run wrote.
+    /// The policy file that a run wrote; or a classical driver: dwa, pure_pursuit, plain_pursuit, vfh.
     #[arg(value_name = "POLICY")]
     pub policy: PathBuf,
-    /// The spec whose table `evaluate` names the worlds.
-    #[arg(long, value_name = "SPEC")]
-    pub spec: PathBuf,
+    /// The spec whose table `evaluate` names the worlds; with --protocol, only who drives in what, and it may be left out.
+    #[arg(long, value_name = "SPEC", required_unless_present = "protocol")]
+    pub spec: Option<PathBuf>,
+    /// Measure as a benchmark does, in worlds from files.
+    #[arg(long, value_enum, requires = "worlds", conflicts_with = "episodes")]
+    pub protocol: Option<Protocol>,
+    /// The folder of the benchmark's world files; with reference paths in DIR/../paths or DIR/paths.
+    #[arg(long, value_name = "DIR", requires = "protocol")]
+    pub worlds: Option<PathBuf>,
+    /// Runs in each of these worlds [default: 10].
+    #[arg(long, value_name = "N", requires = "protocol")]
+    pub runs: Option<NonZeroUsize>,
+    /// How many of these runs are made at once [default: the number of cores].
+    #[arg(long, value_name = "N", requires = "protocol")]
+    pub jobs: Option<NonZeroUsize>,
+    /// Put a braking shield around whoever drives; `--set evaluate.shield.margin=0.1` changes it.
+    #[arg(long)]
+    pub shield: bool,
     /// The cell of the spec that says how to evaluate [default: the one whose run made the policy, or else all that fit
     /// its robot, if they agree].
     #[arg(long, value_name = "AXIS=LEVEL[,AXIS=LEVEL]...", value_delimiter = ',', value_parser = axis_level)]
@@ -184,6 +202,13 @@ pub enum ReportFormat {
     Json,
     /// CSV, one line per cell and world.
     Csv,
+}
+
+/// A published way to measure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Protocol {
+    /// The BARN challenge: start, goal, time limit and scores as published; in this simulator, not in Gazebo.
+    Barn,
 }
 
 /// How `experiments evaluate` prints.

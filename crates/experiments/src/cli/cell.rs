@@ -12,7 +12,7 @@ use crate::Error;
 use crate::difference::in_words;
 use crate::evaluate::adapt;
 use crate::plan::train_id;
-use crate::spec::{Cell, EvaluateSpec, Grid};
+use crate::spec::{Cell, EvaluateSpec, Grid, PolicySpec};
 use crate::store::AxisLevel;
 use crate::train::{PROVENANCE_SEED, PROVENANCE_TRAIN_ID};
 
@@ -22,19 +22,23 @@ struct Conditions<'a> {
     vehicle: &'a VehicleSpec,
     lidar: &'a LidarSpec,
     env: EnvSpec,
+    /// Where there is no policy file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    policy: Option<&'a PolicySpec>,
     evaluate: EvaluateSpec,
 }
 
-/// The cell by which a policy is evaluated: of those asked for, the one whose run made it, or else any whose vehicle and
+/// The cell by which a policy, or a classical driver, is evaluated: of those asked for, the one whose run made it, or else any whose vehicle and
 /// lidar are the policy's, if they agree in all that an evaluation depends on.
 ///
 /// # Errors
 /// If there is no cell as asked for, or the cells do not agree.
-pub(super) fn choose<'a>(grid: &'a Grid, policy: &Policy, args: &EvaluateArgs) -> Result<&'a Cell, Error> {
+pub(super) fn choose<'a>(grid: &'a Grid, policy: Option<&Policy>, args: &EvaluateArgs) -> Result<&'a Cell, Error> {
     let asked = asked(grid, &args.cell)?;
-    let mut candidates = makers(&asked, policy)?;
+    let mut candidates = policy.map_or(Ok(Vec::new()), |policy| makers(&asked, policy))?;
     if candidates.is_empty() {
-        let fits = |cell: &&&Cell| policy.check(&cell.spec.vehicle, &cell.spec.lidar).is_ok();
+        let fits =
+            |cell: &&&Cell| policy.is_none_or(|policy| policy.check(&cell.spec.vehicle, &cell.spec.lidar).is_ok());
         candidates = asked.iter().filter(fits).copied().collect();
     }
     // Where none fits, what the first differs in will be said when it is to drive.
@@ -97,7 +101,7 @@ fn makers<'a>(cells: &[&'a Cell], policy: &Policy) -> Result<Vec<&'a Cell>, Erro
 }
 
 /// What the evaluation of a policy by a cell depends on: neither what the policy nor what the command line brings.
-fn conditions(cell: &Cell, policy: &Policy, args: &EvaluateArgs) -> Result<Value, Error> {
+fn conditions(cell: &Cell, policy: Option<&Policy>, args: &EvaluateArgs) -> Result<Value, Error> {
     let spec = &cell.spec;
     let mut env = EnvSpec {
         goal: GoalHandling::Terminate,
@@ -105,7 +109,9 @@ fn conditions(cell: &Cell, policy: &Policy, args: &EvaluateArgs) -> Result<Value
         obstacle_angle: Default::default(), // for rewards
         ..spec.env.clone()
     };
-    adapt(&mut env, policy);
+    if let Some(policy) = policy {
+        adapt(&mut env, policy);
+    }
     let mut evaluate = spec.evaluate.clone();
     if args.episodes.is_some() {
         evaluate.n_episodes = 1;
@@ -116,7 +122,14 @@ fn conditions(cell: &Cell, policy: &Policy, args: &EvaluateArgs) -> Result<Value
     if let Some(name) = &args.world {
         evaluate.worlds.retain(|world| world.name == *name);
     }
-    Value::try_from(Conditions { vehicle: &spec.vehicle, lidar: &spec.lidar, env, evaluate }).map_err(Error::failure)
+    Value::try_from(Conditions {
+        vehicle: &spec.vehicle,
+        lidar: &spec.lidar,
+        env,
+        policy: if policy.is_none() { Some(&spec.policy) } else { None },
+        evaluate,
+    })
+    .map_err(Error::failure)
 }
 
 /// The levels of a cell as the option takes them.

@@ -72,7 +72,8 @@ fn twins(cells: &[Cell]) -> Vec<String> {
 }
 
 fn n_env_steps(grid: &Grid) -> u64 {
-    grid.runs().map(|(cell, _)| cell.spec.train.n_steps).sum()
+    let learned = grid.runs().filter(|(cell, _)| cell.spec.policy.is_learned());
+    learned.map(|(cell, _)| cell.spec.train.n_steps).sum()
 }
 
 fn n_episodes(grid: &Grid) -> u64 {

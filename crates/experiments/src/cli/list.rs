@@ -2,19 +2,21 @@
 
 use std::io::Write;
 
+use headway_planning::DriverSpec;
 use headway_reward::Entry;
-use headway_sim::{RoomSpec, WorldSpec};
+use headway_sim::{BarnSpec, FilesSpec, RoomSpec, VehiclePreset, WorldSpec};
 use serde::Serialize;
 use toml::Table;
 
 use super::args::ListArgs;
 use super::print;
 use crate::Error;
-use crate::spec::choices;
+use crate::spec::{ShieldOption, choices};
 
 /// The choices other than rewards and worlds: what they are, and their path in a spec.
 const CHOICES: &[(&str, &str)] = &[
     ("vehicle outlines", "vehicle.footprint.type"),
+    ("who drives", "policy.type"),
     ("a reached goal", "env.goal"),
     ("what the agent controls", "env.control.type"),
     ("actions", "env.actions.type"),
@@ -47,6 +49,16 @@ fn text() -> Result<String, Error> {
     for tag in WorldSpec::TYPES {
         push(&mut text, tag, &world_keys(tag));
     }
+    text.push_str("\nClassical drivers, as [policy] and by name in `evaluate`: type, then keys with their defaults\n");
+    for driver in DriverSpec::TYPES.iter().filter_map(|name| DriverSpec::named(name)) {
+        push(&mut text, driver.name(), &keys(&driver));
+    }
+    text.push_str("\nA shield around whoever drives, as [evaluate.shield]: keys with their defaults\n");
+    push(&mut text, "evaluate.shield", &keys(&ShieldOption::default()));
+    text.push_str("\nVehicles, as vehicle = { preset = \"...\" }: preset, then what it stands for\n");
+    for (name, preset) in VehiclePreset::ALL {
+        push(&mut text, name, &keys(&preset.spec()));
+    }
     text.push_str("\nOther keys that take one of several words\n");
     for (what, path) in CHOICES {
         push(&mut text, path, &[format!("{}   ({what})", choices(path).join(" | "))]);
@@ -72,6 +84,8 @@ fn world_keys(tag: &str) -> Vec<String> {
         "room" => keys(&RoomSpec::default()),
         "room_10x15" => preset(RoomSpec::room_10x15()),
         "room_25x25" => preset(RoomSpec::room_25x25()),
+        "barn" => keys(&BarnSpec::default()),
+        "files" => keys(&FilesSpec::default()),
         _ => vec!["worlds = [{ weight = 0.5, world = { type = \"room_10x15\" } }, ...]".into()],
     }
 }
@@ -108,7 +122,18 @@ mod tests {
     #[test]
     fn every_kind_is_listed() {
         let text = text().unwrap();
-        for word in ["r_couple", "desired_speed = 1.2", "room_25x25", "width = 25.0", "double_dqn", "set_points"] {
+        for word in [
+            "r_couple",
+            "desired_speed = 1.2",
+            "room_25x25",
+            "width = 25.0",
+            "double_dqn",
+            "set_points",
+            "n_smoothings = ",
+            "pure_pursuit",
+            "occdist_scale = 0.1",
+            "jackal",
+        ] {
             assert!(text.contains(word), "{word} is missing in\n{text}");
         }
     }

@@ -5,6 +5,7 @@ mod cell;
 pub mod check;
 pub mod evaluate;
 pub mod list;
+mod protocol;
 pub mod report;
 pub mod run;
 mod speed;

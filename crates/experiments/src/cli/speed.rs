@@ -6,10 +6,11 @@ use std::time::{Duration, Instant};
 
 use headway_policy::Policy;
 
-use super::work::scenarios_name;
 use crate::Error;
-use crate::evaluate::{ScenarioSet, for_policy};
-use crate::spec::{EvaluateWorld, Grid, RunSpec};
+use crate::candidate::Candidate;
+use crate::evaluate::ScenarioSet;
+use crate::plan::{evaluation_key, scenarios_name};
+use crate::spec::{EvaluateWorld, Grid, PolicySpec, RunSpec};
 use crate::train::Training;
 
 /// Cells that are tried at most, spread over the grid.
@@ -71,7 +72,7 @@ fn n_scenario_sets(grid: &Grid) -> Result<usize, Error> {
     let mut names = HashSet::new();
     for spec in grid.cells.iter().map(|cell| &cell.spec) {
         for world in &spec.evaluate.worlds {
-            names.insert(scenarios_name(spec, world)?);
+            names.insert(scenarios_name(spec, &evaluation_key(spec, world)?)?);
         }
     }
     Ok(names.len())
@@ -80,7 +81,7 @@ fn n_scenario_sets(grid: &Grid) -> Result<usize, Error> {
 /// The most that the replay of a run takes in any cell, bytes.
 fn replay_bytes(grid: &Grid) -> Result<u64, Error> {
     let mut most = 0;
-    for spec in grid.cells.iter().map(|cell| &cell.spec) {
+    for spec in grid.cells.iter().map(|cell| &cell.spec).filter(|spec| spec.policy.is_learned()) {
         let obs_dim = spec.training().build().map_err(Error::failure)?.obs_dim();
         most = most.max(spec.agent.replay_bytes(obs_dim, spec.train.n_steps));
     }
@@ -89,11 +90,15 @@ fn replay_bytes(grid: &Grid) -> Result<u64, Error> {
 
 impl Trial {
     fn of(spec: &RunSpec) -> Result<Self, Error> {
-        let (seconds_per_step, policy) = train(spec)?;
-        let policy = Arc::new(policy);
+        let (seconds_per_step, candidate) = match &spec.policy {
+            PolicySpec::Learned {} => train(spec).map(|(time, policy)| (time, Candidate::policy(Arc::new(policy))))?,
+            PolicySpec::File { path } => (0.0, Candidate::load(path)?),
+            driver => (0.0, Candidate::driver_of(driver.driver().expect("all others are classical drivers"))),
+        };
+        let candidate = candidate.shielded(spec.evaluate.shield);
         let (mut driving, mut scenarios) = (0.0, 0.0);
         for world in &spec.evaluate.worlds {
-            let (making_one, driving_one) = evaluate(spec, world, &policy)?;
+            let (making_one, driving_one) = evaluate(spec, world, &candidate)?;
             scenarios += making_one;
             driving += driving_one;
         }
@@ -130,15 +135,15 @@ fn train(spec: &RunSpec) -> Result<(f64, Policy), Error> {
 }
 
 /// Seconds to make one scenario of an evaluation world, and to drive through one.
-fn evaluate(spec: &RunSpec, world: &EvaluateWorld, policy: &Arc<Policy>) -> Result<(f64, f64), Error> {
+fn evaluate(spec: &RunSpec, world: &EvaluateWorld, candidate: &Candidate) -> Result<(f64, f64), Error> {
     let mut rules = spec.evaluation(world);
     rules.env.time_limit = rules.env.time_limit.min(MAX_STEPS * rules.vehicle.control_period);
-    let (mdp, mut driver) = for_policy(rules, policy)?;
+    let (mdp, mut driver) = candidate.set_up(rules)?;
     let (set, making) = scenarios(|n| ScenarioSet::new(&mdp, n, spec.evaluate.seed))?;
     let start = Instant::now();
     let mut n_driven = 0;
     while n_driven < set.len() && start.elapsed() < EVALUATION {
-        set.drive(&mdp, &mut driver, n_driven, |_| ())?;
+        set.drive(&mdp, &mut *driver, n_driven, |_| ())?;
         n_driven += 1;
     }
     Ok((making, start.elapsed().as_secs_f64() / n_driven as f64))

@@ -5,17 +5,15 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::num::NonZeroUsize;
 use std::ops::Range;
-use std::sync::Arc;
-
-use headway_policy::Policy;
 
 use super::run::note;
 use crate::Error;
+use crate::candidate::Candidate;
 use crate::episode::EpisodeRecord;
-use crate::evaluate::{ScenarioSet, for_policy};
+use crate::evaluate::ScenarioSet;
 use crate::jobs::{self, Display, Job, Progress};
-use crate::plan::{Evaluation, Run, TrainTables, evaluation_key};
-use crate::spec::{EvaluateWorld, RunSpec};
+use crate::plan::{Evaluation, Run, TrainTables, seed_and_reward};
+use crate::spec::{PolicySpec, RunSpec};
 use crate::store::{RunInfo, State, Stopwatch, Store};
 use crate::train::Training;
 
@@ -51,7 +49,7 @@ pub(super) fn complete(tasks: Vec<Task<'_>>, store: &Store, n_workers: NonZeroUs
 fn make_scenarios(tasks: &[Task<'_>], n_workers: NonZeroUsize) -> Result<Scenarios, Error> {
     let mut missing = BTreeMap::new();
     for evaluation in tasks.iter().flat_map(|task| &task.evaluations) {
-        missing.entry(scenarios_name(evaluation.spec, evaluation.world)?).or_insert(*evaluation);
+        missing.entry(evaluation.scenarios.clone()).or_insert(*evaluation);
     }
     let mut jobs = Vec::new();
     for (name, evaluation) in &missing {
@@ -78,17 +76,6 @@ fn scenario_batch(Evaluation { spec, world, .. }: &Evaluation<'_>, batch: Range<
         run: format!("scenarios {} to {} of the evaluation world `{}`", batch.start, batch.end - 1, world.name),
         source: Box::new(error),
     })
-}
-
-/// A name for all that the scenarios of an evaluation depend on: the world, how many, the seed, the vehicle that must fit
-/// through, and the goal's radius.
-///
-/// # Errors
-/// If the world has no TOML form.
-pub(super) fn scenarios_name(spec: &RunSpec, world: &EvaluateWorld) -> Result<String, Error> {
-    let whatever_the_time_limit = EvaluateWorld { time_limit: 1.0, ..world.clone() };
-    let key = evaluation_key(spec, &whatever_the_time_limit).id()?;
-    Ok(format!("{key}/{:?}/{}", spec.vehicle.footprint, spec.env.reach_radius))
 }
 
 /// The work in an env step of a training, in tens of nanoseconds or so: the step itself, its beams, and its share of a
@@ -127,8 +114,11 @@ impl<'a> Task<'a> {
 
     fn into_job(self) -> Job<Self> {
         let n_episodes: usize = self.evaluations.iter().map(|evaluation| evaluation.spec.evaluate.n_episodes).sum();
-        let training =
-            if self.trains { self.run.spec.train.n_steps.saturating_mul(step_work(self.run.spec)) } else { 0 };
+        let training = if self.trains && self.run.spec.policy.is_learned() {
+            self.run.spec.train.n_steps.saturating_mul(step_work(self.run.spec))
+        } else {
+            0
+        };
         Job { work: training.saturating_add(EPISODE_WORK * n_episodes as u64), input: self }
     }
 
@@ -143,28 +133,42 @@ impl<'a> Task<'a> {
         if self.trains {
             train(self.run, store, progress)?;
         }
-        let policy = Arc::new(Policy::load(&store.run(&self.run.id).policy_path()).map_err(Error::failure)?);
+        let candidate = self.candidate(store)?;
         for evaluation in &self.evaluations {
-            let set = &scenarios[&scenarios_name(evaluation.spec, evaluation.world)?];
-            let Evaluation { id, spec, world } = evaluation;
+            let Evaluation { id, key, scenarios: name, spec, world } = evaluation;
+            let set = &scenarios[name];
             let stopwatch = Stopwatch::start();
-            let (mdp, mut driver) = for_policy(spec.evaluation(world), &policy)?;
+            let candidate = candidate.clone().shielded(spec.evaluate.shield);
+            let (mdp, mut driver) = candidate.set_up(spec.evaluation(world))?;
             let drive = |index| {
                 progress.advance(EPISODE_WORK);
-                set.drive(&mdp, &mut driver, index, |_| ())
+                set.drive(&mdp, &mut *driver, index, |_| ())
             };
             let episodes: Vec<EpisodeRecord> = (0..set.len()).map(drive).collect::<Result<_, _>>()?;
-            let key = evaluation_key(spec, world);
-            store.run(&self.run.id).evaluation(id).write(&key, &episodes, &stopwatch.stop())?;
+            store.run(&self.run.id).evaluation(id).write(key, &episodes, &stopwatch.stop())?;
         }
         Ok(())
     }
+
+    /// Who drives.
+    fn candidate(&self, store: &Store) -> Result<Candidate, Error> {
+        match &self.run.spec.policy {
+            PolicySpec::Learned {} => Candidate::load(&store.run(&self.run.id).policy_path()),
+            PolicySpec::File { path } => Candidate::load(path),
+            driver => Ok(Candidate::driver_of(driver.driver().expect("all others are classical drivers"))),
+        }
+    }
 }
 
+/// Trains, if anything is to be trained, and leaves the run's folder behind.
 fn train(run: &Run<'_>, store: &Store, progress: &Progress<'_>) -> Result<(), Error> {
     let stopwatch = Stopwatch::start();
-    let info = RunInfo::new(run.seed, run.spec.reward.version());
-    let pending = store.run(&run.id).start(&TrainTables::of(run.spec), &info)?;
+    let (seed, reward_version) = seed_and_reward(run.spec, run.seed);
+    let pending = store.run(&run.id).start(&TrainTables::of(run.spec)?, &RunInfo::new(seed, reward_version))?;
+    if !run.spec.policy.is_learned() {
+        pending.finish(&stopwatch.stop())?;
+        return Ok(());
+    }
     let mut metrics = pending.metrics()?;
     let mut training = Training::new(run.spec, run.seed)?;
     let work_a_step = run.spec.train.n_envs as u64 * step_work(run.spec);

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use toml::{Table, Value};
 
-use super::{Plan, TrainTables, evaluation_key, labelled, train_id};
+use super::{Plan, TrainTables, evaluation_key, labelled, seed_and_reward, train_id};
 use crate::Error;
 use crate::difference::in_words;
 use crate::spec::{Cell, EvaluateWorld};
@@ -93,7 +93,7 @@ impl Held<'_> {
         };
         let n_episodes = spec.get("n_episodes").and_then(Value::as_integer).unwrap_or_default();
         let n_episodes = usize::try_from(n_episodes).unwrap_or_default();
-        let key = EvaluationKey { n_episodes, ..evaluation_key(&cell.spec, world) };
+        let key = EvaluationKey { n_episodes, ..evaluation_key(&cell.spec, world)? };
         if key.id()? == held.eval_id {
             return Ok(None);
         }
@@ -109,13 +109,14 @@ impl Held<'_> {
 /// In what the training of a finished run differs from that of a cell, as far as it can be told.
 fn other_training(folder: &RunFolder, cell: &Cell) -> String {
     let mut words = Vec::new();
-    if let (Ok(there), Ok(here)) = (folder.spec(), Table::try_from(TrainTables::of(&cell.spec))) {
+    let here = TrainTables::of(&cell.spec).ok().and_then(|tables| Table::try_from(tables).ok());
+    if let (Ok(there), Some(here)) = (folder.spec(), here) {
         words.push(in_words(&there.into(), &here.into()));
     }
     if let Ok(info) = folder.info() {
         let versions = [
             ("results version", info.results_version, RESULTS_VERSION),
-            ("reward version", info.reward_version, cell.spec.reward.version()),
+            ("reward version", info.reward_version, seed_and_reward(&cell.spec, 0).1),
         ];
         let differ = versions.iter().filter(|(_, there, here)| there != here);
         words.extend(differ.map(|(what, there, here)| format!("the {what} is {there} there, {here} here")));

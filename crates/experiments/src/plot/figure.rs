@@ -36,6 +36,8 @@ const CAPTION: f64 = 38.0;
 /// let sample = |t: f64| PathSample { t, x: 2.0 + t, y: 2.0, yaw: 0.0, speed: 1.0 };
 /// let svg = figure(&Trajectory {
 ///     title: "room 10 x 15 m".into(),
+///     x: 0.0,
+///     y: 0.0,
 ///     width: 10.0,
 ///     height: 15.0,
 ///     obstacles: vec![Outline::Disc { x: 5.0, y: 4.0, radius: 0.5 }],
@@ -114,6 +116,8 @@ mod tests {
         let sample = |i| PathSample { t: 0.2 * i, x: 1.0 + 0.3 * i, y: 2.0 + 0.4 * i, yaw: 0.9, speed: 0.1 * i };
         Trajectory {
             title: "a <room>".into(),
+            x: 0.0,
+            y: 0.0,
             width: 10.0,
             height: 15.0,
             obstacles: vec![

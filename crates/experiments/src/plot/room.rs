@@ -41,8 +41,8 @@ pub(super) fn fit(trajectory: &Trajectory, max_width: f64, max_height: f64) -> [
 /// Draws the room, its obstacles, the goal and the drive into a frame of the room's proportions.
 pub(super) fn draw(svg: &mut Svg, frame: Frame, trajectory: &Trajectory, top_speed: f64, labels: Labels) {
     let view = View {
-        x: Scale::new([0.0, trajectory.width], [frame.x, frame.right()]),
-        y: Scale::new([0.0, trajectory.height], [frame.bottom(), frame.y]),
+        x: Scale::new([trajectory.x, trajectory.x + trajectory.width], [frame.x, frame.right()]),
+        y: Scale::new([trajectory.y, trajectory.y + trajectory.height], [frame.bottom(), frame.y]),
         pixels_per_metre: frame.width / trajectory.width,
     };
     // An inner picture cuts off what reaches beyond the walls.

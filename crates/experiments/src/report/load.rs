@@ -56,7 +56,8 @@ impl Found {
             summaries.push((evaluation.world.clone(), summary.map(|episodes| SeedSummary::of(&episodes))));
         }
         let policy = match state {
-            State::Complete => Policy::At(folder.policy_path()),
+            State::Complete if folder.policy_path().is_file() => Policy::At(folder.policy_path()),
+            State::Complete => Policy::NotTrained,
             State::Damaged { .. } => Policy::Damaged,
             State::Unfinished => Policy::Unfinished,
         };

@@ -28,6 +28,8 @@ pub struct RunRow {
 pub enum Policy {
     /// In this file.
     At(PathBuf),
+    /// The run trained none: a classical driver drives, or a policy from elsewhere.
+    NotTrained,
     /// The run was finished, but its folder is damaged.
     Damaged,
     /// The run is not finished.
@@ -37,7 +39,8 @@ pub enum Policy {
 impl RunRow {
     /// Whether the policy and all evaluations are there.
     pub fn is_complete(&self) -> bool {
-        matches!(self.policy, Policy::At(_)) && self.summaries.iter().all(|(_, summary)| summary.is_some())
+        matches!(self.policy, Policy::At(_) | Policy::NotTrained)
+            && self.summaries.iter().all(|(_, summary)| summary.is_some())
     }
 
     fn success(&self, world: &str) -> String {
@@ -60,6 +63,7 @@ impl Report {
         }
         columns.push(self.run_column(Align::Left, ["policy", ""], |run| match &run.policy {
             Policy::At(path) => path.display().to_string(),
+            Policy::NotTrained => "none trained".to_owned(),
             Policy::Damaged => "damaged".to_owned(),
             Policy::Unfinished => "unfinished".to_owned(),
         }));

@@ -1,12 +1,16 @@
 //! What the types cannot say: numbers in range, worlds that can be made, parts that fit together.
 
 use headway_env::{EnvError, NavSpec};
+use headway_planning::PurePursuit;
+use headway_policy::Policy;
 use headway_reward::RewardError;
 use headway_rl::RlError;
-use headway_sim::{BarnSpec, FilesSpec, RoomSpec, WorldSpec};
+use headway_sim::{BarnSpec, FieldError, FilesSpec, RoomSpec, WorldSpec};
+
+use crate::evaluate::adapt;
 
 use super::names::check_label;
-use super::{EvaluateSpec, EvaluateWorld, Fault, KeyPath, RunSpec, TrainSpec};
+use super::{EvaluateSpec, EvaluateWorld, Fault, KeyPath, PolicySpec, RunSpec, TrainSpec};
 
 impl RunSpec {
     /// Builds everything once and throws it away, so that what cannot run is found before anything is written.
@@ -16,13 +20,19 @@ impl RunSpec {
     pub fn check(&self) -> Result<(), Fault> {
         self.train.check()?;
         self.evaluate.check()?;
-        self.agent.validate().map_err(|error| of_agent(&error))?;
-        let mdp = self.training().build().map_err(|error| of_env(&error))?;
-        self.check_curriculum()?;
-        check_episodes(&self.training(), &KeyPath::default())?;
-        self.check_memory(mdp.obs_dim(), mdp.actions().len())?;
+        let candidate = self.check_policy()?;
+        if self.policy.is_learned() {
+            self.agent.validate().map_err(|error| of_agent(&error))?;
+            let mdp = self.training().build().map_err(|error| of_env(&error))?;
+            self.check_curriculum()?;
+            check_episodes(&self.training(), &KeyPath::default())?;
+            self.check_memory(mdp.obs_dim(), mdp.actions().len())?;
+        }
         for (index, world) in self.evaluate.worlds.iter().enumerate() {
-            let mdp = self.evaluation(world);
+            let mut mdp = self.evaluation(world);
+            if let Some(policy) = &candidate {
+                adapt(&mut mdp.env, policy);
+            }
             let built = mdp.build().map_err(|error| of_env(&error));
             let at = KeyPath::new(["evaluate", "worlds", &index.to_string()]);
             built.and_then(|_| check_episodes(&mdp, &at)).map_err(|fault| in_evaluation(fault, index))?;
@@ -43,6 +53,19 @@ impl RunSpec {
             check_episodes(&mdp, &at)?;
         }
         Ok(())
+    }
+
+    /// Refuses a driver with numbers that are not allowed, a file that is no policy for this robot, and such a shield.
+    /// The policy of the file, if there is one.
+    fn check_policy(&self) -> Result<Option<Policy>, Fault> {
+        if let Some(driver) = self.policy.driver() {
+            driver.build().map_err(|error| of_field(&error.under("policy")))?;
+        }
+        let shield = self.evaluate.shield.map(|shield| shield.for_vehicle(&self.vehicle).build(PurePursuit::default()));
+        shield.transpose().map_err(|error| of_field(&error.under("evaluate.shield")))?;
+        let PolicySpec::File { path } = &self.policy else { return Ok(None) };
+        let policy = Policy::load(path).and_then(|policy| policy.check(&self.vehicle, &self.lidar).map(|()| policy));
+        policy.map(Some).map_err(|error| fault("policy.path", &error.to_string()))
     }
 
     /// Refuses what would need more memory than any machine that this is for: an abort says less.
@@ -181,10 +204,14 @@ fn in_words(allowed: &str) -> String {
     }
 }
 
+fn of_field(error: &FieldError) -> Fault {
+    fault(&error.field, &format!("must be {}", error.allowed))
+}
+
 /// What the decision process refuses.
 fn of_env(error: &EnvError) -> Fault {
     match error {
-        EnvError::Field(error) => fault(&error.field, &format!("must be {}", error.allowed)),
+        EnvError::Field(error) => of_field(error),
         EnvError::World(error) => fault("world", &error.to_string()),
         EnvError::Reward(error) => of_reward(&KeyPath::new(["reward"]), error),
         other => fault("env", &other.to_string()),

@@ -58,14 +58,21 @@ impl Grid {
         Ok(Self { name, seeds, axes, cells })
     }
 
-    /// Every run: cell by cell, seed by seed.
+    /// Every run: cell by cell, seed by seed; a cell in which nothing is trained is one run.
     pub fn runs(&self) -> impl Iterator<Item = (&Cell, u64)> {
-        self.cells.iter().flat_map(|cell| self.seeds.iter().map(move |seed| (cell, seed)))
+        self.cells.iter().flat_map(|cell| self.seeds_of(&cell.spec).map(move |seed| (cell, seed)))
     }
 
     /// How many runs there are.
     pub fn n_runs(&self) -> u64 {
-        self.cells.len() as u64 * self.seeds.count
+        let n_learned = self.cells.iter().filter(|cell| cell.spec.policy.is_learned()).count() as u64;
+        n_learned * self.seeds.count + (self.cells.len() as u64 - n_learned)
+    }
+
+    /// The seeds of a run of the grid: where nothing is trained, they make no difference, and there is one.
+    pub(crate) fn seeds_of(&self, spec: &RunSpec) -> impl Iterator<Item = u64> + use<> {
+        let Seeds { first, count } = self.seeds;
+        Seeds { first, count: if spec.policy.is_learned() { count } else { 1 } }.iter()
     }
 }
 
@@ -230,7 +237,7 @@ fn last_to_touch<'s, 'v>(path: &KeyPath, steps: &'s [Step<'v>]) -> Option<&'s St
 }
 
 impl Fault {
-    fn in_tree(self, tree: &Value) -> Refusal {
+    pub(super) fn in_tree(self, tree: &Value) -> Refusal {
         Refusal::new(tree, self.path, self.problem)
     }
 }

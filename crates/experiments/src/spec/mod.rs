@@ -47,6 +47,7 @@
 //! ```
 
 mod assign;
+mod barn;
 mod check;
 mod choices;
 mod error;
@@ -56,6 +57,7 @@ mod integers;
 mod merge;
 mod names;
 mod path;
+mod policy;
 mod resolved;
 mod run;
 mod source;
@@ -68,4 +70,5 @@ pub use error::{Fault, Place, SpecError};
 pub use grid::{Cell, Grid};
 pub use head::{Axis, Seeds};
 pub use path::KeyPath;
+pub use policy::{PolicySpec, ShieldOption};
 pub use run::{EvaluateSpec, EvaluateWorld, RunSpec, Stage, TrainSpec};

@@ -50,6 +50,17 @@ fn shown(value: &Value) -> Option<String> {
 }
 
 impl<T: Serialize + DeserializeOwned + Default> Resolved<T> {
+    /// A spec with its tree.
+    pub(crate) fn of(spec: T) -> Result<Self, Refusal> {
+        match Value::try_from(&spec) {
+            Ok(tree) => Ok(Self { spec, tree }),
+            Err(error) => {
+                let problem = format!("cannot be written as TOML: {error}");
+                Err(Refusal { path: KeyPath::default(), value: None, problem })
+            }
+        }
+    }
+
     /// Parses `table` and fills in the defaults.
     pub(crate) fn new(table: Table) -> Result<Self, Refusal> {
         Self::from_tree(Value::Table(table))

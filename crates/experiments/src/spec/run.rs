@@ -9,6 +9,8 @@ use headway_sensors::{LidarSpec, OdometrySpec};
 use headway_sim::{Interval, Quantity, RoomSpec, VehicleSpec, WeightedWorld, WorldSpec};
 use serde::{Deserialize, Serialize};
 
+use super::{PolicySpec, ShieldOption};
+
 /// One run but for its seed: where it trains, what drives, what it learns, and how it is evaluated.
 ///
 /// ```
@@ -33,6 +35,8 @@ pub struct RunSpec {
     pub randomize: RandomizeSpec,
     /// The decision process: goal handling, actions, observation.
     pub env: EnvSpec,
+    /// Who drives in the evaluation: a policy that is trained, or one that need not be.
+    pub policy: PolicySpec,
     /// What is paid in training.
     pub reward: Arc<dyn Reward>,
     /// The learner.
@@ -78,6 +82,9 @@ pub struct EvaluateSpec {
     pub n_episodes: usize,
     /// The seed of the scenarios: the same ones for every cell and training seed.
     pub seed: u64,
+    /// A braking shield around whoever drives; none if not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shield: Option<ShieldOption>,
     /// The worlds; results are told apart by their names.
     pub worlds: Vec<EvaluateWorld>,
 }
@@ -106,7 +113,7 @@ impl Default for EvaluateSpec {
         let world = |name: &str, time_limit, world| EvaluateWorld { name: name.into(), time_limit, world };
         let small = world("10x15", 60.0, WorldSpec::Room10x15 {});
         let large = world("25x25", 100.0, WorldSpec::Room25x25 {});
-        Self { n_episodes: 1000, seed: 1_000_000, worlds: vec![small, large] }
+        Self { n_episodes: 1000, seed: 1_000_000, shield: None, worlds: vec![small, large] }
     }
 }
 
@@ -120,6 +127,7 @@ impl Default for RunSpec {
             odometry: OdometrySpec::default(),
             randomize: RandomizeSpec::default(),
             env: EnvSpec::default(),
+            policy: PolicySpec::default(),
             reward: Arc::new(recommended_reward()),
             agent: DqnSpec::default(),
             train: TrainSpec::default(),

@@ -95,7 +95,7 @@ fn read(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
 }
 
 /// The SHA-256 hash in hexadecimal digits.
-pub(super) fn digest(bytes: &[u8]) -> String {
+pub(crate) fn digest(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().fold(String::new(), |mut digits, byte| {
         // Writing to a string cannot fail.
         let _ = write!(digits, "{byte:02x}");

@@ -3,6 +3,7 @@
 use std::fmt::{self, Display};
 use std::path::Path;
 
+use headway_planning::ShieldSpec;
 use serde::{Deserialize, Serialize};
 
 use super::RESULTS_VERSION;
@@ -59,7 +60,7 @@ impl<S: Serialize + ?Sized> TrainKey<'_, S> {
 }
 
 /// All that determines an evaluation of a given run, [`RESULTS_VERSION`] aside; also the evaluation's `spec.toml`.
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Serialize)]
 pub struct EvaluationKey<'a, W: ?Sized> {
     /// Number of episodes.
     pub n_episodes: usize,
@@ -67,6 +68,12 @@ pub struct EvaluationKey<'a, W: ?Sized> {
     pub seed: u64,
     /// Time after which an episode is a timeout, s.
     pub time_limit: f64,
+    /// SHA-256 of the files that the world comes from, if it comes from files.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<String>,
+    /// The shield around whoever drives, if there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shield: Option<ShieldSpec>,
     /// The spec of the world; its name in the report does not count.
     pub world: &'a W,
 }
@@ -135,7 +142,10 @@ mod tests {
     }
 
     fn evaluation(n_episodes: usize, seed: u64, time_limit: f64, world: &str) -> Id {
-        EvaluationKey { n_episodes, seed, time_limit, world: &json!({ "type": world }) }.id().expect("has a TOML form")
+        let world = &json!({ "type": world });
+        EvaluationKey { n_episodes, seed, time_limit, files: Vec::new(), shield: None, world }
+            .id()
+            .expect("has a TOML form")
     }
 
     #[test]

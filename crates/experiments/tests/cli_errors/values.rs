@@ -92,7 +92,7 @@ fn keys_and_types() {
             "[agnet]\ngamma = 0.9",
             &[],
             "spec.toml:1: agnet: unknown key `agnet`; did you mean `agent`? Keys of a spec file: `name`, `base`, \
-             `seeds`, `axis`, `when`, `world`, `vehicle`, `lidar`, `odometry`, `randomize`, `env`, `reward`, `agent`, `train`, `evaluate`",
+             `seeds`, `axis`, `when`, `world`, `vehicle`, `lidar`, `odometry`, `randomize`, `env`, `policy`, `reward`, `agent`, `train`, `evaluate`",
         ),
         ("[lidar]\nn_beams = 3.5", &[], "spec.toml:2: lidar.n_beams = 3.5: must be a whole number, 0 or above"),
         ("[agent]\ngamma = \"high\"", &[], "spec.toml:2: agent.gamma = \"high\": must be a number"),

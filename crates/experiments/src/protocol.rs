@@ -1,0 +1,3 @@
+//! Published ways to measure, step by step as their authors have them.
+
+pub mod barn;
