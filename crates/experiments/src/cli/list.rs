@@ -16,6 +16,8 @@ use crate::spec::{ShieldOption, choices};
 /// The choices other than rewards and worlds: what they are, and their path in a spec.
 const CHOICES: &[(&str, &str)] = &[
     ("vehicle outlines", "vehicle.footprint.type"),
+    ("drives", "vehicle.drive.type"),
+    ("routes that drivers are shown", "env.route.type"),
     ("who drives", "policy.type"),
     ("a reached goal", "env.goal"),
     ("what the agent controls", "env.control.type"),
