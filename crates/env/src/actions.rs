@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Control, Side};
 
-/// A set of actions as data. Actions are numbered speed by speed, and within a speed turn by turn.
+/// A set of actions as data. Actions are numbered speed by speed, within a speed turn by turn, and within a turn sideways speed by
+/// sideways speed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
 pub enum ActionSpec {
@@ -16,6 +17,9 @@ pub enum ActionSpec {
         speeds: Vec<f64>,
         /// Yaw rates, rad/s, positive to the left. Just `[0.0]` where the agent controls the speed only.
         yaw_rates: Vec<f64>,
+        /// Speeds to the left, m/s, with each of these pairs: for vehicles that move sideways.
+        #[serde(default = "straight", skip_serializing_if = "is_straight")]
+        lateral_speeds: Vec<f64>,
     },
     /// Brake, keep the speed or accelerate, as hard as the vehicle can for one control period, with every
     /// yaw rate.
@@ -25,10 +29,22 @@ pub enum ActionSpec {
     },
 }
 
+fn straight() -> Vec<f64> {
+    vec![0.0]
+}
+
+fn is_straight(lateral_speeds: &[f64]) -> bool {
+    lateral_speeds == straight()
+}
+
 impl Default for ActionSpec {
     /// Twelve set-points: 0, 0.5, 1 and 1.5 m/s, turning right, not, and left at 1.5 rad/s.
     fn default() -> Self {
-        Self::SetPoints { speeds: vec![0.0, 0.5, 1.0, 1.5], yaw_rates: vec![-1.5, 0.0, 1.5] }
+        Self::SetPoints {
+            speeds: vec![0.0, 0.5, 1.0, 1.5],
+            yaw_rates: vec![-1.5, 0.0, 1.5],
+            lateral_speeds: straight(),
+        }
     }
 }
 
@@ -65,8 +81,21 @@ impl ActionSpec {
                 [-change, 0.0, change].map(SpeedRule::By).to_vec()
             }
         };
-        let mirror = if is_mirrored { mirror_images(yaw_rates)? } else { (0..yaw_rates.len()).collect() };
-        Ok(ActionSet { speeds, yaw_rates: yaw_rates.to_vec(), mirror, range: (slowest, vehicle.max_speed) })
+        let lateral_speeds = match self {
+            Self::SetPoints { lateral_speeds, .. } => lateral_speeds.clone(),
+            Self::Accelerate { .. } => straight(),
+        };
+        let most = vehicle.drive.max_lateral_speed();
+        check_list("lateral_speeds", &lateral_speeds, -most, most)?;
+        let mirror = |field: &str, numbers: &[f64]| {
+            if is_mirrored { mirror_images(field, numbers) } else { Ok((0..numbers.len()).collect()) }
+        };
+        Ok(ActionSet {
+            speeds,
+            yaw_rates: Mirrored { images: mirror("yaw_rates", yaw_rates)?, numbers: yaw_rates.to_vec() },
+            lateral_speeds: Mirrored { images: mirror("lateral_speeds", &lateral_speeds)?, numbers: lateral_speeds },
+            range: (slowest, vehicle.max_speed),
+        })
     }
 }
 
@@ -84,11 +113,11 @@ fn check_list(field: &str, values: &[f64], low: f64, high: f64) -> Result<(), Fi
 }
 
 /// Where the negative of each number stands in the list.
-fn mirror_images(yaw_rates: &[f64]) -> Result<Vec<usize>, FieldError> {
-    let image = |rate: &f64| yaw_rates.iter().position(|other| *other == -rate);
-    yaw_rates.iter().map(image).collect::<Option<_>>().ok_or_else(|| {
+fn mirror_images(field: &str, numbers: &[f64]) -> Result<Vec<usize>, FieldError> {
+    let image = |number: &f64| numbers.iter().position(|other| *other == -number);
+    numbers.iter().map(image).collect::<Option<_>>().ok_or_else(|| {
         let allowed = "symmetric, w and -w alike, because observation.mirror is on";
-        FieldError::new("yaw_rates", format!("{yaw_rates:?}"), allowed)
+        FieldError::new(field, format!("{numbers:?}"), allowed)
     })
 }
 
@@ -100,12 +129,26 @@ enum SpeedRule {
     By(f64),
 }
 
+/// Numbers that change their sign in a mirror.
+#[derive(Debug, Clone, PartialEq)]
+struct Mirrored {
+    numbers: Vec<f64>,
+    /// Of each number: where its negative stands.
+    images: Vec<usize>,
+}
+
+impl Mirrored {
+    fn get(&self, index: usize, side: Side) -> f64 {
+        self.numbers[if side == Side::Mirrored { self.images[index] } else { index }]
+    }
+}
+
 /// A checked action set.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ActionSet {
     speeds: Vec<SpeedRule>,
-    yaw_rates: Vec<f64>,
-    mirror: Vec<usize>,
+    yaw_rates: Mirrored,
+    lateral_speeds: Mirrored,
     range: (f64, f64),
 }
 
@@ -113,7 +156,7 @@ impl ActionSet {
     /// How many actions there are.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.speeds.len() * self.yaw_rates.len()
+        self.speeds.len() * self.yaw_rates.numbers.len() * self.lateral_speeds.numbers.len()
     }
 
     /// Whether there are none, which never happens.
@@ -129,14 +172,15 @@ impl ActionSet {
     /// If there is no such action.
     #[must_use]
     pub fn command(&self, action: u32, speed: f64, side: Side) -> Command {
-        let n_turns = self.yaw_rates.len();
-        let (row, turn) = (action as usize / n_turns, action as usize % n_turns);
-        let turn = if side == Side::Mirrored { self.mirror[turn] } else { turn };
+        let (n_turns, n_aside) = (self.yaw_rates.numbers.len(), self.lateral_speeds.numbers.len());
+        let (pair, aside) = (action as usize / n_aside, action as usize % n_aside);
+        let (row, turn) = (pair / n_turns, pair % n_turns);
         let speed = match self.speeds[row] {
             SpeedRule::To(target) => target,
             SpeedRule::By(change) => (speed + change).clamp(self.range.0, self.range.1),
         };
-        Command::new(speed, self.yaw_rates[turn])
+        let (yaw_rate, lateral_speed) = (self.yaw_rates.get(turn, side), self.lateral_speeds.get(aside, side));
+        Command { speed, yaw_rate, lateral_speed }
     }
 }
 
@@ -159,6 +203,24 @@ mod tests {
     }
 
     #[test]
+    fn sideways_speeds_count_within_turns_and_change_sign_in_a_mirror() {
+        let spec = ActionSpec::SetPoints {
+            speeds: vec![0.0, 0.5],
+            yaw_rates: vec![-1.0, 1.0],
+            lateral_speeds: vec![-0.4, 0.0, 0.4],
+        };
+        let drive = headway_sim::Drive::Omnidirectional { max_lateral_speed: 0.5 };
+        let vehicle = VehicleSpec { drive, ..VehicleSpec::default() };
+        let actions = spec.build(&vehicle, &Control::Full {}, true).unwrap();
+        assert_eq!(actions.len(), 12);
+        // Speed 0.5, yaw rate -1, 0.4 to the left.
+        assert_eq!(actions.command(8, 0.0, Side::AsSeen), Command { lateral_speed: 0.4, ..Command::new(0.5, -1.0) });
+        assert_eq!(actions.command(8, 0.0, Side::Mirrored), Command { lateral_speed: -0.4, ..Command::new(0.5, 1.0) });
+        let error = spec.build(&VehicleSpec::default(), &Control::Full {}, true).unwrap_err();
+        assert_eq!(error.to_string(), "lateral_speeds.0 = -0.4: must be from -0 to 0, the vehicle's limits");
+    }
+
+    #[test]
     fn brake_keep_and_accelerate_change_the_speed_within_limits() {
         let actions = build(&ActionSpec::Accelerate { yaw_rates: vec![-1.0, 0.0, 1.0] });
         let speed = |action, from| actions.command(action, from, Side::AsSeen).speed;
@@ -175,6 +237,7 @@ mod tests {
         let set = |speeds: &[f64], yaw_rates: &[f64]| ActionSpec::SetPoints {
             speeds: speeds.to_vec(),
             yaw_rates: yaw_rates.to_vec(),
+            lateral_speeds: straight(),
         };
         assert_eq!(
             refused(&set(&[0.0, 2.0], &[0.0]), Control::Full {}),

@@ -10,6 +10,9 @@ use crate::{History, ObservationSpec, ScanEncoding, Side};
 /// The checked encoding: a pure function from [`Sensed`] and a [`History`] to `n_ranges + 6` numbers or more, where `n_ranges`
 /// is the number of sectors, or of beams where there are no sectors.
 ///
+/// Speeds and yaw rates are over the highest of the spec; a vehicle whose odometry is off, whose wheels slip or whose limits are drawn
+/// may exceed them somewhat.
+///
 /// | entry | is | range |
 /// |---|---|---|
 /// | `0..n_ranges` | the encoded ranges, right to left | [0, 1] |
@@ -22,7 +25,7 @@ use crate::{History, ObservationSpec, ScanEncoding, Side};
 /// | one, for vehicles that move sideways | leftward speed / highest | [-1, 1] |
 /// | two for each of `look_ahead` | cosine and sine of the bearing of that point of the route, or of the straight line to the goal | [-1, 1] |
 /// | two for each of `trail` | `x / (1 + r)`, `y / (1 + r)` of the place `(x, y)` in the vehicle's frame, `r` metres away | (-1, 1) |
-/// | two for `last_command` | its speed and yaw rate, over the highest ones | [-1, 1] |
+/// | two for `last_command`, three for vehicles that move sideways | its speed, yaw rate and leftward speed, over the highest ones | [-1, 1] |
 /// | five for each of `n_movers` | of the nearest movers: `0.5 / (c + 0.5)` for the clearance `c` between the discs around both, cosine and sine of the bearing, and the velocity ahead and to the left over the vehicle's highest speed, clamped; 0 where there is none | [-1, 1] |
 #[derive(Debug, Clone)]
 pub struct Encoder {
@@ -78,7 +81,8 @@ impl Encoder {
     pub fn obs_dim(&self) -> usize {
         let ObservationSpec { look_ahead, trail, last_command, n_movers, .. } = &self.spec;
         let n_pairs = look_ahead.len() + trail.len() + usize::from(*last_command);
-        self.n_ranges() + 6 + usize::from(self.max_lateral_speed > 0.0) + 2 * n_pairs + 5 * n_movers
+        let n_aside = if self.max_lateral_speed > 0.0 { 1 + usize::from(*last_command) } else { 0 };
+        self.n_ranges() + 6 + n_aside + 2 * n_pairs + 5 * n_movers
     }
 
     /// An empty memory, as long as this encoding needs it.
@@ -153,6 +157,9 @@ impl Encoder {
         if self.spec.last_command {
             put(sensed.last_command.speed / self.max_speed);
             put(left * sensed.last_command.yaw_rate / self.max_yaw_rate);
+            if self.max_lateral_speed > 0.0 {
+                put(left * sensed.last_command.lateral_speed / self.max_lateral_speed);
+            }
         }
         if self.spec.n_movers > 0 {
             self.movers(sensed, &here, left).into_iter().flatten().for_each(put);
@@ -377,7 +384,7 @@ mod tests {
                 twist: Twist::new(0.0, 0.25, 0.0),
                 goal,
                 route: Some(&route),
-                last_command: Command::new(0.75, 0.3),
+                last_command: Command { lateral_speed: -0.25, ..Command::new(0.75, 0.3) },
                 movers: &[],
             };
             let mut obs = vec![0.0; encoder.obs_dim()];
@@ -385,9 +392,9 @@ mod tests {
             obs
         };
         // Sideways speed, bearing of (0, -2), (4, 0) one period ago, (0, -3) as the oldest, the command.
-        let seen = [0.5, 0.0, -1.0, 0.8, 0.0, 0.0, -0.75, 0.5, 0.2];
+        let seen = [0.5, 0.0, -1.0, 0.8, 0.0, 0.0, -0.75, 0.5, 0.2, -0.5];
         assert_close(&encode(Point::new(3.0, 1.0))[7..], &seen);
-        let mirrored = [-0.5, 0.0, 1.0, 0.8, 0.0, 0.0, 0.75, 0.5, -0.2];
+        let mirrored = [-0.5, 0.0, 1.0, 0.8, 0.0, 0.0, 0.75, 0.5, -0.2, 0.5];
         assert_close(&encode(Point::new(3.0, -1.0))[7..], &mirrored);
         history.clear();
         assert_eq!(history.place(3, Point::new(1.0, 2.0)), Point::new(1.0, 2.0));

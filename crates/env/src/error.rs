@@ -25,6 +25,18 @@ pub enum EnvError {
         /// Edge of a cell, metres.
         cell: f64,
     },
+    /// A world too large for a map of small cells.
+    #[error(
+        "a map of {width:.0} x {height:.0} m in cells of {cell} m does not fit in memory: allow a larger env.route.cell"
+    )]
+    MapTooLarge {
+        /// Edge of a cell, metres.
+        cell: f64,
+        /// The room's extent along x, metres.
+        width: f64,
+        /// The room's extent along y, metres.
+        height: f64,
+    },
     /// An action beyond the action set.
     #[error("action {action} in environment {index}: there are {n_actions} actions, 0 to {}", n_actions - 1)]
     NoSuchAction {

@@ -116,6 +116,10 @@ impl Mdp {
     /// A scenario's ends are joined by a path with clearance; cells of a grid lie within 0.71 of their edge from it.
     pub(crate) fn plan_route(&self, world: &World, from: &Point, goal: &Point) -> Result<Option<Route>, EnvError> {
         let RouteSource::TrueMap(spec) = &self.route else { return Ok(None) };
+        let room = world.room();
+        if !GridMap::fits(&room, spec.cell) {
+            return Err(EnvError::MapTooLarge { cell: spec.cell, width: room.width, height: room.height });
+        }
         let clearances = [spec.margin, spec.margin / 2.0, 0.0, -0.71 * spec.cell].map(|m| (self.radius() + m).max(0.0));
         let route = clearances.iter().find_map(|clearance| shortest_route(world, from, goal, *clearance, spec.cell));
         route.map(Some).ok_or(EnvError::NoRoute { from: [from.x, from.y], goal: [goal.x, goal.y], cell: spec.cell })
@@ -127,16 +131,18 @@ impl Mdp {
     }
 
     /// The length of a short way from one point to another for a disc of the footprint's circumradius, metres, at most a few
-    /// per cent above the shortest: planned over a grid of 10 cm and pulled straight.
+    /// per cent above the shortest: planned over a grid of 10 cm, or more in the largest worlds, and pulled straight.
     #[must_use]
     pub fn geodesic(&self, world: &World, from: &Point, to: &Point) -> f64 {
-        const CELL: f64 = 0.1;
         let world = &world.without_movers();
         if world.is_free(from, to, self.radius()) {
             return (to - from).norm();
         }
-        let route = shortest_route(world, from, to, self.radius(), CELL)
-            .or_else(|| shortest_route(world, from, to, (self.radius() - CELL).max(0.0), CELL));
+        // Coarser in a world of many square kilometres, so that its map fits in memory.
+        let room = world.room();
+        let cell = (room.width * room.height / f64::from(1 << 26)).sqrt().max(0.1);
+        let route = shortest_route(world, from, to, self.radius(), cell)
+            .or_else(|| shortest_route(world, from, to, (self.radius() - cell).max(0.0), cell));
         route.map_or((to - from).norm(), |route| route.length())
     }
 

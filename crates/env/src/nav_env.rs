@@ -18,7 +18,7 @@ use crate::{Env, EnvError, Mdp, Navigator, Step, StepEnd};
 ///
 /// Copy `i` of `n` drives in the scenarios `i`, `i + n`, `i + 2 n`, ... of the seed: which scenario comes
 /// next does not depend on what the other copies do. On one thread a step allocates memory
-/// only for new episodes and new goals, and for scans of more than 4096 beams.
+/// only for new episodes and new goals, for scans of more than 4096 beams, for crowds, and for planned routes.
 #[derive(Debug, Clone)]
 pub struct NavEnv {
     mdp: Arc<Mdp>,

@@ -45,6 +45,7 @@ pub(crate) struct NavigatorState {
     n_steps: u32,
     noise: ChaCha8Rng,
     motion: ChaCha8Rng,
+    drift: ChaCha8Rng,
     goals: ChaCha8Rng,
 }
 
@@ -148,7 +149,8 @@ impl Navigator {
         let mut command = self.mdp.actions.command(action, speed, self.mdp.encoder.side(&self.sensed()));
         if let Control::SpeedOnly { pursuit } = &self.mdp.control {
             let sensed = self.sensed();
-            command = pursuit.follow(&sensed.route_or_straight(), &sensed.pose, command.speed);
+            let turning_radius = sensed.vehicle.drive.turning_radius();
+            command = pursuit.follow(&sensed.route_or_straight(), &sensed.pose, command.speed, turning_radius);
         }
         self.drive(command)
     }
@@ -168,7 +170,7 @@ impl Navigator {
         let done = vehicle.disturb(command, &mut state.motion);
         let motion = state.step(vehicle, done);
         let VehicleState { pose, twist, .. } = &state.vehicle;
-        state.odometry.advance(&from, pose, *twist, motion.duration, &mut state.motion);
+        state.odometry.advance(&from, pose, *twist, motion.duration, &mut state.drift);
         state.command = command;
         state.distance = motion.distance;
         state.duration = motion.duration;
@@ -326,14 +328,14 @@ impl NavigatorState {
         drawn: Vec<f64>,
         Memory { planner, history, facts: [before, after] }: Memory,
     ) -> Self {
-        let mut motion = stream(seed, "motion", index);
+        let mut drift = stream(seed, "odometry", index);
         Self {
             goal: scenario.goal,
             route,
             planner,
             movers: Vec::new(),
             vehicle: VehicleState::at_rest(scenario.start),
-            odometry: Odometry::new(&robot.odometry, scenario.start, &mut motion),
+            odometry: Odometry::new(&robot.odometry, scenario.start, &mut drift),
             history,
             drawn,
             scenario,
@@ -345,7 +347,8 @@ impl NavigatorState {
             duration: 0.0,
             n_steps: 0,
             noise: stream(seed, "noise", index),
-            motion,
+            motion: stream(seed, "motion", index),
+            drift,
             goals: stream(seed, "goals", index),
         }
     }

@@ -142,7 +142,12 @@ impl Randomizer {
     /// The numbers of scenario number `index` of a seed.
     pub(crate) fn draw(&self, seed: u64, index: u64) -> Vec<f64> {
         let mut rng = stream(seed, "randomize", index);
-        self.draws.iter().map(|(_, distribution)| distribution.sample(&mut rng)).collect()
+        let is_whole = |pointer: &str| self.tables.pointer(pointer).is_some_and(Value::is_u64);
+        let draw = |(pointer, distribution): &(String, Distribution)| {
+            let number = distribution.sample(&mut rng);
+            if is_whole(pointer) { number.round() } else { number }
+        };
+        self.draws.iter().map(draw).collect()
     }
 
     /// What drives with numbers that were drawn.
@@ -159,8 +164,7 @@ impl Randomizer {
         let mut tables = self.tables.clone();
         for (pointer, number) in numbers {
             if let Some(place) = tables.pointer_mut(pointer) {
-                *place =
-                    if place.is_u64() { Value::from(number.round().max(0.0) as u64) } else { Value::from(*number) };
+                *place = if place.is_u64() { Value::from(number.max(0.0) as u64) } else { Value::from(*number) };
             }
         }
         let Tables { vehicle, lidar, odometry } =
@@ -182,7 +186,7 @@ mod tests {
     fn episodes_drive_with_what_they_drew() {
         let randomizer = randomizer(&[
             ("vehicle.max_acceleration", Distribution::Uniform([1.0, 3.0])),
-            ("vehicle.n_substeps", Distribution::Choice(vec![2.0, 8.0])),
+            ("vehicle.n_substeps", Distribution::Uniform([1.6, 8.4])),
             ("lidar.noise", Distribution::Normal([0.05, 0.01])),
         ])
         .unwrap();
@@ -195,7 +199,7 @@ mod tests {
             let found = (robot.lidar.spec().noise, robot.vehicle.spec().max_acceleration);
             assert_eq!(found, (drawn[0], drawn[1]));
             assert!((0.02..=0.08).contains(&drawn[0]) && (1.0..=3.0).contains(&drawn[1]));
-            assert!([2, 8].contains(&robot.vehicle.spec().n_substeps));
+            assert_eq!(robot.vehicle.spec().n_substeps as f64, drawn[2]);
             assert_eq!(robot.vehicle.spec().max_speed, NavSpec::default().vehicle.max_speed);
         }
     }

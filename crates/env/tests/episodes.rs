@@ -136,7 +136,7 @@ fn speed_only_control_steers_round_what_is_in_the_way() {
     let env = EnvSpec {
         control: Control::SpeedOnly { pursuit: Default::default() },
         route: RouteSource::TrueMap(Default::default()),
-        actions: ActionSpec::SetPoints { speeds: vec![0.3, 0.8, 1.5], yaw_rates: vec![0.0] },
+        actions: ActionSpec::SetPoints { speeds: vec![0.3, 0.8, 1.5], yaw_rates: vec![0.0], lateral_speeds: vec![0.0] },
         ..EnvSpec::default()
     };
     let mut vehicle = navigator(env, 12.0, Some(6.0));
@@ -156,7 +156,7 @@ fn refusals_name_table_and_field() {
     let mut spec = NavSpec::default();
     spec.vehicle.footprint = Shape::Disc { radius: -0.25 };
     assert_eq!(refused(spec), "vehicle.footprint.radius = -0.25: must be a finite number above 0");
-    let actions = ActionSpec::SetPoints { speeds: vec![9.0], yaw_rates: vec![0.0] };
+    let actions = ActionSpec::SetPoints { speeds: vec![9.0], yaw_rates: vec![0.0], lateral_speeds: vec![0.0] };
     let env = EnvSpec { actions, ..EnvSpec::default() };
     assert_eq!(
         refused(NavSpec { env, ..NavSpec::default() }),

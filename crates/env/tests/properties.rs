@@ -210,7 +210,7 @@ fn a_failed_restart_leaves_all_as_it_was() {
     };
     let route = RouteSource::TrueMap(TrueMapSpec { cell: 0.5, ..Default::default() });
     let vehicle = VehicleSpec { footprint: Shape::Disc { radius: 0.02 }, ..VehicleSpec::default() };
-    let actions = ActionSpec::SetPoints { speeds: vec![0.5, 1.0], yaw_rates: vec![0.0] };
+    let actions = ActionSpec::SetPoints { speeds: vec![0.5, 1.0], yaw_rates: vec![0.0], lateral_speeds: vec![0.0] };
     let env = EnvSpec { route, actions, ..EnvSpec::default() };
     let mdp = NavSpec { world: WorldSpec::Room(room), vehicle, env, ..NavSpec::default() }.build().unwrap();
     let mut navigator = (0..).find_map(|index| Navigator::new(Arc::clone(&mdp), 1, index).ok()).unwrap();

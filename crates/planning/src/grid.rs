@@ -1,6 +1,6 @@
 //! Occupancy grids.
 
-use headway_sim::{Point, Surface, World};
+use headway_sim::{Point, Room, Surface, World};
 use nalgebra::Vector2;
 
 /// A grid of square cells over a room, each free or blocked.
@@ -18,6 +18,17 @@ pub struct GridMap {
 pub(crate) type Cell = (usize, usize);
 
 impl GridMap {
+    /// Whether a map of a room in cells of `cell` metres has at most 2^28 cells.
+    #[must_use]
+    pub fn fits(room: &Room, cell: f64) -> bool {
+        let [n_x, n_y] = Self::counts(room, cell);
+        cell > 0.0 && n_x.saturating_mul(n_y) <= 1 << 28
+    }
+
+    fn counts(room: &Room, cell: f64) -> [usize; 2] {
+        [room.width, room.height].map(|extent| (extent / cell).ceil().max(1.0) as usize)
+    }
+
     /// A map of a world in cells of `cell` metres: a cell is blocked if its centre is less than `inflation`
     /// metres from a surface. With the circumradius of a footprint as inflation, a footprint may turn
     /// freely wherever the map is free.
@@ -26,11 +37,9 @@ impl GridMap {
     /// If `cell` is not above 0, or so small that the map would have more than 2^28 cells.
     #[must_use]
     pub fn from_world(world: &World, cell: f64, inflation: f64) -> Self {
-        assert!(cell > 0.0, "cells have a size");
         let room = world.room();
-        let count = |extent: f64| (extent / cell).ceil().max(1.0) as usize;
-        let (n_x, n_y) = (count(room.width), count(room.height));
-        assert!(n_x.saturating_mul(n_y) <= 1 << 28, "cells fit in memory");
+        assert!(Self::fits(&room, cell), "cells have a size and fit in memory");
+        let [n_x, n_y] = Self::counts(&room, cell);
         let corner = Point::new(room.x, room.y);
         let mut map = Self { corner, cell, n_x, n_y, blocked: vec![false; n_x * n_y] };
         let strip = |n: usize| ((inflation.max(0.0) / cell).ceil() as usize).saturating_add(1).min(n);
@@ -149,7 +158,7 @@ impl GridMap {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use headway_sim::{Obstacle, Room, Shape};
+    use headway_sim::{Obstacle, Shape};
     use proptest::prelude::*;
 
     fn world() -> World {

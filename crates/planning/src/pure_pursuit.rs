@@ -44,19 +44,30 @@ impl PurePursuit {
     /// The command that leads a vehicle along an arc to the point ahead, at `speed`.
     ///
     /// The arc through a point at distance `l` and bearing `a` has the curvature `2 sin(a) / l`. Beyond the turn angle the
-    /// vehicle turns on the spot instead, whatever the speed asked for.
+    /// vehicle turns on the spot instead, whatever the speed asked for; one that cannot, whose tightest turn has a
+    /// `turning_radius` above 0 ([`headway_sim::Drive::turning_radius`]), drives its tightest turn.
     #[must_use]
-    pub fn follow(&self, route: &Route, pose: &Pose, speed: f64) -> Command {
+    pub fn follow(&self, route: &Route, pose: &Pose, speed: f64, turning_radius: f64) -> Command {
         let here = Point::from(pose.translation.vector);
         let target = route.at(route.project(&here) + self.lookahead);
         let to_target = pose.inverse_transform_point(&target).coords;
         let (distance, bearing) = (to_target.norm(), to_target.y.atan2(to_target.x));
+        if turning_radius > 0.0 {
+            let sharpest = 1.0 / turning_radius;
+            let curvature =
+                if bearing.abs() > self.turn_angle { sharpest.copysign(bearing) } else { arc(bearing, distance) };
+            return Command::new(speed, speed * curvature.clamp(-sharpest, sharpest));
+        }
         if bearing.abs() > self.turn_angle {
             return Command::new(0.0, self.turn_rate.copysign(bearing));
         }
-        let curvature = if distance > 1e-9 { 2.0 * bearing.sin() / distance } else { 0.0 };
-        Command::new(speed, speed * curvature)
+        Command::new(speed, speed * arc(bearing, distance))
     }
+}
+
+/// The curvature of the arc to a point, 1/m.
+fn arc(bearing: f64, distance: f64) -> f64 {
+    if distance > 1e-9 { 2.0 * bearing.sin() / distance } else { 0.0 }
 }
 
 impl Controller for PurePursuit {
@@ -64,7 +75,8 @@ impl Controller for PurePursuit {
 
     /// Follows the route at cruise speed, or a straight line to the goal where there is no route.
     fn command(&mut self, sensed: &Sensed<'_>) -> Command {
-        self.follow(&sensed.route_or_straight(), &sensed.pose, self.cruise_speed)
+        let turning_radius = sensed.vehicle.drive.turning_radius();
+        self.follow(&sensed.route_or_straight(), &sensed.pose, self.cruise_speed, turning_radius)
     }
 }
 
@@ -77,7 +89,7 @@ mod tests {
     fn an_arc_to_a_point_abeam_by_hand() {
         // A point 0.8 m ahead on a line that lies 0.4 m to the left: sin(a) = 0.4 / l, w = 2 v 0.4 / l^2.
         let route = Route::new(vec![Point::new(-5.0, 0.4), Point::new(5.0, 0.4)]);
-        let Command { speed, yaw_rate, .. } = PurePursuit::default().follow(&route, &Pose::identity(), 0.5);
+        let Command { speed, yaw_rate, .. } = PurePursuit::default().follow(&route, &Pose::identity(), 0.5, 0.0);
         assert_eq!(speed, 0.5);
         assert!((yaw_rate - 2.0 * 0.5 * 0.4 / (0.8 * 0.8 + 0.4 * 0.4)).abs() < 1e-12);
     }
@@ -85,8 +97,19 @@ mod tests {
     #[test]
     fn turns_on_the_spot_towards_what_lies_aside() {
         let route = Route::new(vec![Point::origin(), Point::new(-5.0, -1.0)]);
-        let command = PurePursuit::default().follow(&route, &Pose::identity(), 1.0);
+        let command = PurePursuit::default().follow(&route, &Pose::identity(), 1.0, 0.0);
         assert_eq!(command, Command::new(0.0, -1.5));
+    }
+
+    #[test]
+    fn what_cannot_turn_on_the_spot_turns_as_tightly_as_it_can() {
+        let behind = Route::new(vec![Point::origin(), Point::new(-5.0, -1.0)]);
+        let command = PurePursuit::default().follow(&behind, &Pose::identity(), 0.6, 1.2);
+        assert_eq!(command, Command::new(0.6, -0.5));
+        // An arc of curvature 2 sin(a) / l = 1 / m, where 1.2 m is the tightest.
+        let ahead = Route::new(vec![Point::new(-5.0, 0.4), Point::new(5.0, 0.4)]);
+        let command = PurePursuit::default().follow(&ahead, &Pose::identity(), 0.6, 1.2);
+        assert!((command.yaw_rate - 0.5).abs() < 1e-12);
     }
 
     #[test]

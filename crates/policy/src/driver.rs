@@ -68,7 +68,10 @@ impl Controller for Driver {
         let command = self.actions.command(action, sensed.twist.x, side);
         match &self.policy.header().control {
             Control::Full {} => command,
-            Control::SpeedOnly { pursuit } => pursuit.follow(&sensed.route_or_straight(), &sensed.pose, command.speed),
+            Control::SpeedOnly { pursuit } => {
+                let turning_radius = sensed.vehicle.drive.turning_radius();
+                pursuit.follow(&sensed.route_or_straight(), &sensed.pose, command.speed, turning_radius)
+            }
         }
     }
 }

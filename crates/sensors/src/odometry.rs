@@ -73,7 +73,8 @@ impl Odometry {
     /// ```
     #[must_use]
     pub fn new(spec: &OdometrySpec, pose: Pose, rng: &mut impl RngExt) -> Self {
-        let mut drawn = |deviation: f64| if deviation > 0.0 { deviation * normal(rng) } else { 0.0 };
+        // All or none, so that one error does not change the others.
+        let mut drawn = |deviation: f64| if spec.is_exact() { 0.0 } else { deviation * normal(rng) };
         let biases = [1.0 + drawn(spec.distance_bias), 1.0 + drawn(spec.turn_bias), drawn(spec.yaw_rate_bias)];
         Self { spec: *spec, biases, pose, twist: Twist::zeros() }
     }
@@ -85,8 +86,8 @@ impl Odometry {
             (self.pose, self.twist) = (*to, twist);
             return;
         }
-        let slip = if self.spec.distance_noise > 0.0 { 1.0 + self.spec.distance_noise * normal(rng) } else { 1.0 };
-        let walk = if self.spec.yaw_walk > 0.0 { self.spec.yaw_walk * dt.sqrt() * normal(rng) } else { 0.0 };
+        let slip = 1.0 + self.spec.distance_noise * normal(rng);
+        let walk = self.spec.yaw_walk * dt.sqrt() * normal(rng);
         let [distance_scale, turn_scale, yaw_rate_bias] = self.biases;
         let scale = distance_scale * slip;
         let moved = from.inv_mul(to);

@@ -120,7 +120,8 @@ impl Vehicle {
     }
 
     /// As [`Self::step`], in a world that moves: before each substep, `advance` moves it on by that many seconds, and the
-    /// vehicle then drives as if it stood still. What moves into the vehicle collides with it.
+    /// vehicle then drives as if it stood still. What moves into the vehicle collides with it; what moves in a substep by more than its own
+    /// size and the vehicle's may jump over it, so fast movers need more substeps.
     pub fn step_among(
         &self,
         world: &mut World,

@@ -54,7 +54,7 @@ fn a_driver_panics_at_a_scan_of_another_lidar() {
 #[test]
 fn without_a_route_a_speed_only_driver_steers_straight_at_the_goal() {
     let control = Control::SpeedOnly { pursuit: Default::default() };
-    let actions = ActionSpec::SetPoints { speeds: vec![0.6], yaw_rates: vec![0.0] };
+    let actions = ActionSpec::SetPoints { speeds: vec![0.6], yaw_rates: vec![0.0], lateral_speeds: vec![0.0] };
     let layer = Layer { weight: vec![0.0; 42], bias: vec![0.0] };
     let policy = Policy::new(Header { control, actions, ..Header::default() }, vec![layer]).unwrap();
     let spec = NavSpec::default();

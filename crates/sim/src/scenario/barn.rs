@@ -28,7 +28,7 @@ pub struct BarnSpec {
     pub n_smoothings: Interval,
     /// Least clearance of a way from the start to the goal, metres, from 0.05 to 0.8: half the width of what must fit through.
     pub clearance: Interval,
-    /// Least distance from the outermost posts, the start or the goal to the walls of the hall around them, metres, 1 to 100.
+    /// Least distance from the outermost posts, the start or the goal to the walls of the hall around them, metres, 1 to 50.
     pub margin: f64,
 }
 
@@ -73,7 +73,7 @@ impl BarnSpec {
         self.fill.check("fill", fraction)?;
         self.n_smoothings.check("n_smoothings", |field, x| within(field, x, 0.0, 20.0))?;
         self.clearance.check("clearance", |field, x| within(field, x, 0.05, 0.8))?;
-        within("margin", self.margin, 1.0, 100.0)
+        within("margin", self.margin, 1.0, 50.0)
     }
 
     /// A world with such a way; its fill and smoothing are drawn anew with each field.

@@ -19,6 +19,7 @@ pub struct ActuationSpec {
     /// Standard deviation of the factor on each number of every command, a fraction.
     pub noise: f64,
     /// Share of the yaw rate asked for that is reached, from 0.1 to 2: wheels that must skid to turn reach less than all.
+    /// Not used under Ackermann drive, whose wheels roll.
     pub yaw_rate_gain: f64,
 }
 
