@@ -1,17 +1,25 @@
 //! Worlds from files as data.
 
+mod one_file;
+mod other_end;
+
 use std::path::PathBuf;
 
 use rand::RngExt;
 use rand::seq::SliceRandom;
 use serde::{Deserialize, Serialize};
 
-use super::{GoalRule, Scenario, generate};
+use super::{GoalRule, Scenario};
 use crate::check::fraction;
-use crate::files::{self, FileSpec, WorldFile};
-use crate::{FieldError, Footprint, Point, Pose, SimError, stream};
+use crate::files::{self, FileSpec};
+use crate::{FieldError, Footprint, SimError, stream};
+use one_file::OneFile;
 
 /// Scenarios in worlds from files, each in one of them.
+///
+/// What is not given of start and goal is drawn anew for each scenario, at least `start_goal_distance` from the other
+/// and joined to it by a path as wide as the vehicle's circumscribed circle. Where both are given, whether a path joins
+/// them is not checked.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FilesSpec {
@@ -111,35 +119,21 @@ impl FilesSpec {
         Ok(chosen.into_iter().map(|index| all[index].clone()).collect())
     }
 
-    /// Reads the files and checks that a vehicle can start in each of them.
+    /// Reads the files and makes a scenario in each, so that none is met for the first time in the midst of a run.
     pub(super) fn build(&self, footprint: &Footprint) -> Result<Files, SimError> {
-        let mut read = Vec::new();
-        for path in self.chosen()? {
-            let mut file = files::read(&path, &self.read)?;
-            file.start = self.start.map(|[x, y, yaw]| Pose::new([x, y].into(), yaw)).or(file.start);
-            file.goal = self.goal.map(Point::from).or(file.goal);
-            let in_file = |field, value: String, allowed: &str| {
-                SimError::from(FieldError::new(field, value, format!("{allowed} in {}", path.display())))
-            };
-            self.goal_rule().check(&file.world.room()).map_err(|e| in_file("goal_rule", e.to_string(), "allowed"))?;
-            if let Some(start) = file.start.filter(|start| file.world.collides(footprint, start)) {
-                let place = format!("({}, {})", start.translation.x, start.translation.y);
-                return Err(in_file("start", place, "a place where the vehicle touches nothing,"));
-            }
-            if let Some(goal) = file.goal.filter(|goal| file.world.distance(goal) <= 0.0) {
-                return Err(in_file("goal", format!("({}, {})", goal.x, goal.y), "outside of all obstacles"));
-            }
-            read.push(file);
+        let files = self.chosen()?.into_iter().map(|path| OneFile::read(path, self)).collect::<Result<Vec<_>, _>>()?;
+        for file in &files {
+            file.check(footprint)?;
+            file.scenario(footprint, stream(0, "trial-ends", 0))?;
         }
-        Ok(Files { spec: self.clone(), files: read })
+        Ok(Files { files })
     }
 }
 
 /// The files, read.
 #[derive(Debug, Clone)]
 pub(super) struct Files {
-    spec: FilesSpec,
-    files: Vec<WorldFile>,
+    files: Vec<OneFile>,
 }
 
 impl Files {
@@ -148,17 +142,8 @@ impl Files {
         &self,
         footprint: &Footprint,
         mut layout: impl RngExt,
-        mut ends: impl RngExt,
+        ends: impl RngExt,
     ) -> Result<Scenario, SimError> {
-        let file = &self.files[layout.random_range(0..self.files.len())];
-        let (world, goal_rule) = (file.world.clone(), self.spec.goal_rule());
-        let (start, goal) = match (file.start, file.goal) {
-            (Some(start), Some(goal)) => (start, goal),
-            (start, goal) => {
-                let (drawn_start, drawn_goal) = generate::start_and_goal(&goal_rule, &world, footprint, &mut ends)?;
-                (start.unwrap_or(drawn_start), goal.unwrap_or(drawn_goal))
-            }
-        };
-        Ok(Scenario { world, start, goal, goal_rule, crowd: None })
+        self.files[layout.random_range(0..self.files.len())].scenario(footprint, ends)
     }
 }
