@@ -2,11 +2,12 @@
 
 mod one_file;
 mod other_end;
+mod split;
 
-use std::path::PathBuf;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
 
 use rand::RngExt;
-use rand::seq::SliceRandom;
 use serde::{Deserialize, Serialize};
 
 use super::{GoalRule, Scenario};
@@ -16,6 +17,10 @@ use crate::{FieldError, Footprint, SimError, stream};
 use one_file::OneFile;
 
 /// Scenarios in worlds from files, each in one of them.
+///
+/// Files are split by draws from `split_seed` and their names without folder and ending (of equal names, also which of
+/// them in the order of the paths it is): the rounded `test_share` of them with the lowest draws are for tests. So the
+/// same folder elsewhere is split alike, and a file more or less moves at most one of the others to the other side.
 ///
 /// What is not given of start and goal is drawn anew for each scenario, at least `start_goal_distance` from the other
 /// and joined to it by a path as wide as the vehicle's circumscribed circle. Where both are given, whether a path joins
@@ -84,7 +89,8 @@ impl FilesSpec {
     /// The files, in the order of the paths and within a folder of their names and numbers, before they are split.
     ///
     /// # Errors
-    /// If a folder cannot be listed, or there is no world file at all.
+    /// If a folder cannot be listed, there is no world file at all, or one of them is named twice: it could be on both
+    /// sides of the split.
     pub fn files(&self) -> Result<Vec<PathBuf>, SimError> {
         let mut found = Vec::new();
         for path in &self.paths {
@@ -95,6 +101,7 @@ impl FilesSpec {
             let allowed = "world files (.world, .sdf, .yaml), or folders that hold some";
             return Err(FieldError::new("paths", format!("[{}]", paths.join(", ")), allowed).into());
         }
+        refuse_twins(&found)?;
         Ok(found)
     }
 
@@ -102,21 +109,14 @@ impl FilesSpec {
     fn chosen(&self) -> Result<Vec<PathBuf>, SimError> {
         fraction("test_share", self.test_share)?;
         let all = self.files()?;
-        let mut order: Vec<usize> = (0..all.len()).collect();
-        order.shuffle(&mut stream(self.split_seed, "split", 0));
-        let n_test = (self.test_share * all.len() as f64).round() as usize;
-        let mut chosen = match self.part {
-            FilePart::All => order,
-            FilePart::Test => order[..n_test].to_vec(),
-            FilePart::Train => order[n_test..].to_vec(),
-        };
+        let n = all.len();
+        let n_test = (self.test_share * n as f64).round() as usize;
+        let chosen = split::part(all, self.part, n_test, self.split_seed);
         if chosen.is_empty() {
-            let n = all.len();
             let allowed = format!("such that some of the {n} files are left for part = {:?}", self.part);
             return Err(FieldError::new("test_share", self.test_share, allowed.to_lowercase()).into());
         }
-        chosen.sort_unstable();
-        Ok(chosen.into_iter().map(|index| all[index].clone()).collect())
+        Ok(chosen)
     }
 
     /// Reads the files and makes a scenario in each, so that none is met for the first time in the midst of a run.
@@ -130,6 +130,20 @@ impl FilesSpec {
     }
 }
 
+/// Refuses a file that is there twice, be it by another path.
+fn refuse_twins(paths: &[PathBuf]) -> Result<(), FieldError> {
+    let mut seen = HashMap::<PathBuf, &Path>::new();
+    for path in paths {
+        // What cannot be found is refused when it is read.
+        let real = path.canonicalize().unwrap_or_else(|_| path.clone());
+        if let Some(twin) = seen.insert(real, path) {
+            let allowed = format!("named once: it is the same file as {}", twin.display());
+            return Err(FieldError::new("paths", path.display(), allowed));
+        }
+    }
+    Ok(())
+}
+
 /// The files, read.
 #[derive(Debug, Clone)]
 pub(super) struct Files {
@@ -137,6 +151,11 @@ pub(super) struct Files {
 }
 
 impl Files {
+    /// What the files hold and the worlds do not, file by file.
+    pub(super) fn left_out(&self) -> impl Iterator<Item = String> {
+        self.files.iter().flat_map(OneFile::left_out)
+    }
+
     /// A scenario in one of the files.
     pub(super) fn scenario(
         &self,

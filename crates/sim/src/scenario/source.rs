@@ -73,6 +73,15 @@ impl WorldSource {
         part.scenario(&self.footprint, layout, ends, crowd)
     }
 
+    /// What world files hold and their worlds do not, each as "path: what", where their spec says
+    /// `unsupported = "ignore"`.
+    #[must_use]
+    pub fn left_out(&self) -> Vec<String> {
+        let files =
+            self.parts.iter().filter_map(|(_, part)| if let Part::Files(files) = part { Some(files) } else { None });
+        files.flat_map(|files| files.left_out()).collect()
+    }
+
     /// One of the parts, by their shares.
     fn choose(&self, rng: &mut impl RngExt) -> &Part {
         let mut share = if self.parts.len() > 1 { rng.random_range(0.0..1.0) } else { 0.0 };

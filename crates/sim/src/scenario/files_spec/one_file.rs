@@ -50,6 +50,11 @@ impl OneFile {
         }
     }
 
+    /// What the file holds and the world does not.
+    pub(super) fn left_out(&self) -> impl Iterator<Item = String> {
+        self.file.unsupported.iter().map(|what| format!("{}: {what}", self.path.display()))
+    }
+
     /// A scenario, with what is not given drawn at random.
     pub(super) fn scenario(&self, footprint: &Footprint, mut rng: impl RngExt) -> Result<Scenario, SimError> {
         let (world, rule, rng) = (&self.file.world, &self.rule, &mut rng);
