@@ -20,7 +20,7 @@ use one_file::OneFile;
 ///
 /// Files are split by draws from `split_seed` and their names without folder and ending (of equal names, also which of
 /// them in the order of the paths it is): the rounded `test_share` of them with the lowest draws are for tests. So the
-/// same folder elsewhere is split alike, and a file more or less moves at most one of the others to the other side.
+/// same folder elsewhere is split alike, and a file of a new name moves at most one of the others to the other side.
 ///
 /// What is not given of start and goal is drawn anew for each scenario, at least `start_goal_distance` from the other
 /// and joined to it by a path as wide as the vehicle's circumscribed circle. Where both are given, whether a path joins

@@ -75,6 +75,12 @@ impl WorldSource {
 
     /// What world files hold and their worlds do not, each as "path: what", where their spec says
     /// `unsupported = "ignore"`.
+    ///
+    /// ```
+    /// let vehicle = headway_sim::Footprint::new(&headway_sim::Shape::Disc { radius: 0.25 })?;
+    /// assert!(headway_sim::WorldSpec::Room10x15 {}.build(&vehicle)?.left_out().is_empty());
+    /// # Ok::<(), headway_sim::SimError>(())
+    /// ```
     #[must_use]
     pub fn left_out(&self) -> Vec<String> {
         let files =

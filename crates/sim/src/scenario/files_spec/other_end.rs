@@ -9,8 +9,8 @@ use crate::scenario::GoalRule;
 use crate::scenario::path_check::PathCheck;
 use crate::{Footprint, Point, Pose, SimError, World};
 
-/// How many places are tried.
-const TRIES: usize = 200;
+/// How many places are tried: what is joined to the given end may be a small part of the room.
+const TRIES: usize = 2000;
 
 /// A goal that a path joins to a start.
 pub(super) fn goal_for(
