@@ -34,7 +34,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Point, Pose, Scenario, World};
+use crate::{Obstacle, Point, Pose, Scenario, World};
 use disk::Kind;
 
 pub use error::{FileError, FileProblem};
@@ -72,16 +72,20 @@ pub struct WorldFile {
     pub start: Option<Pose>,
     /// Where it is to go, likewise.
     pub goal: Option<Point>,
-    /// What the file holds and the world does not, each by its name: only where the spec allows it.
+    /// What the file holds and the world does not, each by its name: only where the spec allows it. Of a scenario, what
+    /// moves in it.
     pub unsupported: Vec<String>,
 }
 
 impl WorldFile {
-    /// A scenario, to be written.
+    /// A scenario, to be written: its world without movers, which a file cannot hold and which are listed as unsupported.
     #[must_use]
     pub fn of_scenario(name: impl Into<String>, scenario: &Scenario) -> Self {
-        let Scenario { world, start, goal, .. } = scenario.clone();
-        Self { name: name.into(), world, start: Some(start), goal: Some(goal), unsupported: Vec::new() }
+        let Scenario { world, start, goal, .. } = scenario;
+        let movers = world.movers().iter().enumerate();
+        let unsupported = movers.map(|(k, Obstacle { x, y, .. })| format!("mover {k} at ({x}, {y})")).collect();
+        let world = world.without_movers().into_owned();
+        Self { name: name.into(), world, start: Some(*start), goal: Some(*goal), unsupported }
     }
 }
 

@@ -77,7 +77,9 @@ impl SdfSpec {
 ///
 /// What the cut does not meet, or meets in less than a micrometre, is left out; visuals, lights, `<state>` (which
 /// repeats all models) and the like are no obstacles. Includes, actors, populations, meshes, height maps and all other
-/// geometry are [`SdfSpec::unsupported`].
+/// geometry are [`SdfSpec::unsupported`]. Refused, whatever the spec says, are frames that are not followed, lest things
+/// stand elsewhere than meant: `relative_to` (or `attached_to`) with the name of a joint or a scoped name (`a::b`),
+/// `placement_frame`, and `<pose frame>` of SDF 1.4 to 1.6; and a second shape of a geometry or a second `<pose>`.
 ///
 /// The room is the box around all obstacles (and around start and goal), grown by the margin; in an empty world, the
 /// margin around the origin. A world that [`to_sdf`] wrote says its room, start and goal itself.

@@ -1,17 +1,30 @@
 //! Worlds from files as data.
 
-use std::path::PathBuf;
+mod one_file;
+mod other_end;
+mod split;
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
 
 use rand::RngExt;
-use rand::seq::SliceRandom;
 use serde::{Deserialize, Serialize};
 
-use super::{GoalRule, Scenario, generate};
+use super::{GoalRule, Scenario};
 use crate::check::fraction;
-use crate::files::{self, FileSpec, WorldFile};
-use crate::{FieldError, Footprint, Point, Pose, SimError, stream};
+use crate::files::{self, FileSpec};
+use crate::{FieldError, Footprint, SimError, stream};
+use one_file::OneFile;
 
 /// Scenarios in worlds from files, each in one of them.
+///
+/// Files are split by draws from `split_seed` and their names without folder and ending (of equal names, also which of
+/// them in the order of the paths it is): the rounded `test_share` of them with the lowest draws are for tests. So the
+/// same folder elsewhere is split alike, and a file of a new name moves at most one of the others to the other side.
+///
+/// What is not given of start and goal is drawn anew for each scenario, at least `start_goal_distance` from the other
+/// and joined to it by a path as wide as the vehicle's circumscribed circle. Where both are given, whether a path joins
+/// them is not checked.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FilesSpec {
@@ -76,7 +89,8 @@ impl FilesSpec {
     /// The files, in the order of the paths and within a folder of their names and numbers, before they are split.
     ///
     /// # Errors
-    /// If a folder cannot be listed, or there is no world file at all.
+    /// If a folder cannot be listed, there is no world file at all, or one of them is named twice: it could be on both
+    /// sides of the split.
     pub fn files(&self) -> Result<Vec<PathBuf>, SimError> {
         let mut found = Vec::new();
         for path in &self.paths {
@@ -87,6 +101,7 @@ impl FilesSpec {
             let allowed = "world files (.world, .sdf, .yaml), or folders that hold some";
             return Err(FieldError::new("paths", format!("[{}]", paths.join(", ")), allowed).into());
         }
+        refuse_twins(&found)?;
         Ok(found)
     }
 
@@ -94,71 +109,60 @@ impl FilesSpec {
     fn chosen(&self) -> Result<Vec<PathBuf>, SimError> {
         fraction("test_share", self.test_share)?;
         let all = self.files()?;
-        let mut order: Vec<usize> = (0..all.len()).collect();
-        order.shuffle(&mut stream(self.split_seed, "split", 0));
-        let n_test = (self.test_share * all.len() as f64).round() as usize;
-        let mut chosen = match self.part {
-            FilePart::All => order,
-            FilePart::Test => order[..n_test].to_vec(),
-            FilePart::Train => order[n_test..].to_vec(),
-        };
+        let n = all.len();
+        let n_test = (self.test_share * n as f64).round() as usize;
+        let chosen = split::part(all, self.part, n_test, self.split_seed);
         if chosen.is_empty() {
-            let n = all.len();
             let allowed = format!("such that some of the {n} files are left for part = {:?}", self.part);
             return Err(FieldError::new("test_share", self.test_share, allowed.to_lowercase()).into());
         }
-        chosen.sort_unstable();
-        Ok(chosen.into_iter().map(|index| all[index].clone()).collect())
+        Ok(chosen)
     }
 
-    /// Reads the files and checks that a vehicle can start in each of them.
+    /// Reads the files and makes a scenario in each, so that none is met for the first time in the midst of a run.
     pub(super) fn build(&self, footprint: &Footprint) -> Result<Files, SimError> {
-        let mut read = Vec::new();
-        for path in self.chosen()? {
-            let mut file = files::read(&path, &self.read)?;
-            file.start = self.start.map(|[x, y, yaw]| Pose::new([x, y].into(), yaw)).or(file.start);
-            file.goal = self.goal.map(Point::from).or(file.goal);
-            let in_file = |field, value: String, allowed: &str| {
-                SimError::from(FieldError::new(field, value, format!("{allowed} in {}", path.display())))
-            };
-            self.goal_rule().check(&file.world.room()).map_err(|e| in_file("goal_rule", e.to_string(), "allowed"))?;
-            if let Some(start) = file.start.filter(|start| file.world.collides(footprint, start)) {
-                let place = format!("({}, {})", start.translation.x, start.translation.y);
-                return Err(in_file("start", place, "a place where the vehicle touches nothing,"));
-            }
-            if let Some(goal) = file.goal.filter(|goal| file.world.distance(goal) <= 0.0) {
-                return Err(in_file("goal", format!("({}, {})", goal.x, goal.y), "outside of all obstacles"));
-            }
-            read.push(file);
+        let files = self.chosen()?.into_iter().map(|path| OneFile::read(path, self)).collect::<Result<Vec<_>, _>>()?;
+        for file in &files {
+            file.check(footprint)?;
+            file.scenario(footprint, stream(0, "trial-ends", 0))?;
         }
-        Ok(Files { spec: self.clone(), files: read })
+        Ok(Files { files })
     }
+}
+
+/// Refuses a file that is there twice, be it by another path.
+fn refuse_twins(paths: &[PathBuf]) -> Result<(), FieldError> {
+    let mut seen = HashMap::<PathBuf, &Path>::new();
+    for path in paths {
+        // What cannot be found is refused when it is read.
+        let real = path.canonicalize().unwrap_or_else(|_| path.clone());
+        if let Some(twin) = seen.insert(real, path) {
+            let allowed = format!("named once: it is the same file as {}", twin.display());
+            return Err(FieldError::new("paths", path.display(), allowed));
+        }
+    }
+    Ok(())
 }
 
 /// The files, read.
 #[derive(Debug, Clone)]
 pub(super) struct Files {
-    spec: FilesSpec,
-    files: Vec<WorldFile>,
+    files: Vec<OneFile>,
 }
 
 impl Files {
+    /// What the files hold and the worlds do not, file by file.
+    pub(super) fn left_out(&self) -> impl Iterator<Item = String> {
+        self.files.iter().flat_map(OneFile::left_out)
+    }
+
     /// A scenario in one of the files.
     pub(super) fn scenario(
         &self,
         footprint: &Footprint,
         mut layout: impl RngExt,
-        mut ends: impl RngExt,
+        ends: impl RngExt,
     ) -> Result<Scenario, SimError> {
-        let file = &self.files[layout.random_range(0..self.files.len())];
-        let (world, goal_rule) = (file.world.clone(), self.spec.goal_rule());
-        let (start, goal) = match (file.start, file.goal) {
-            (Some(start), Some(goal)) => (start, goal),
-            (start, goal) => {
-                let (drawn_start, drawn_goal) = generate::start_and_goal(&goal_rule, &world, footprint, &mut ends)?;
-                (start.unwrap_or(drawn_start), goal.unwrap_or(drawn_goal))
-            }
-        };
-        Ok(Scenario { world, start, goal, goal_rule, crowd: None })
+        self.files[layout.random_range(0..self.files.len())].scenario(footprint, ends)
     }
 }

@@ -73,6 +73,21 @@ impl WorldSource {
         part.scenario(&self.footprint, layout, ends, crowd)
     }
 
+    /// What world files hold and their worlds do not, each as "path: what", where their spec says
+    /// `unsupported = "ignore"`.
+    ///
+    /// ```
+    /// let vehicle = headway_sim::Footprint::new(&headway_sim::Shape::Disc { radius: 0.25 })?;
+    /// assert!(headway_sim::WorldSpec::Room10x15 {}.build(&vehicle)?.left_out().is_empty());
+    /// # Ok::<(), headway_sim::SimError>(())
+    /// ```
+    #[must_use]
+    pub fn left_out(&self) -> Vec<String> {
+        let files =
+            self.parts.iter().filter_map(|(_, part)| if let Part::Files(files) = part { Some(files) } else { None });
+        files.flat_map(|files| files.left_out()).collect()
+    }
+
     /// One of the parts, by their shares.
     fn choose(&self, rng: &mut impl RngExt) -> &Part {
         let mut share = if self.parts.len() > 1 { rng.random_range(0.0..1.0) } else { 0.0 };

@@ -67,6 +67,21 @@ fn each_fault_is_named() {
         ),
         (polyline(&["0 0 0", "1 1", "1 0"]), "point = 3 numbers: must be 2 numbers".into()),
         (polyline(&vec!["0 0"; 501]), "polyline = more than 500 points: must be at most 500 points".into()),
+        // Of two, the first was once read and the second passed over.
+        (
+            geometry("<sphere><radius>1</radius></sphere><box><size>1 2 3</size></box>"),
+            format!("{PLACE}geometry = 'sphere' and 'box': must be one shape"),
+        ),
+        (geometry("<empty/><mesh/>"), format!("{PLACE}geometry = 'empty' and 'mesh': must be one shape")),
+        (geometry("<polyline/><polyline/><box/>"), "geometry = 'polyline' and 'box': must be one shape".into()),
+        (
+            geometry("<sphere><radius>1</radius><radius>2</radius></sphere>"),
+            format!("{PLACE}radius = a second one: must be once in its element"),
+        ),
+        (
+            posed("<pose>0 0 0 0 0 0</pose><pose>1 0 0 0 0 0</pose>"),
+            "line 1, model 'm': pose = a second one: must be once in its element".into(),
+        ),
         (posed("<pose>0 0 0</pose>"), "line 1, model 'm': pose = 3 numbers: must be 6 numbers".into()),
         (posed("<pose>0 0 x 0 0 0</pose>"), "line 1, model 'm': pose = 'x': must be a number".into()),
         (
@@ -82,6 +97,16 @@ fn each_fault_is_named() {
         (
             posed("<pose relative_to='base'>0 0 0 0 0 0</pose>"),
             "line 1, model 'm': relative_to = 'base': must be world, or a model, link or frame beside it".into(),
+        ),
+        (
+            posed("<pose relative_to='m::link'>0 0 0 0 0 0</pose>"),
+            "line 1, model 'm': relative_to = 'm::link': must be world, or a model, link or frame beside it".into(),
+        ),
+        (
+            document(
+                "<joint name='j'/><frame name='f'><pose relative_to='j'/></frame><model name='m'><pose relative_to='f'/></model>",
+            ),
+            "line 1, frame 'f': relative_to = 'j': must be world, or a model, link or frame beside it".into(),
         ),
         (
             posed("<pose relative_to='m'>0 0 0 0 0 0</pose>"),

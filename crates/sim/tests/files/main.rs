@@ -8,3 +8,4 @@ mod disk;
 mod map;
 mod round_trip;
 mod sdf;
+mod specs;

@@ -84,3 +84,22 @@ fn scenarios_go_through_files() {
         assert!(Scenario::new(again.world, again.start.unwrap(), again.goal.unwrap(), rule).is_ok());
     }
 }
+
+/// What moves was once written as if it stood still.
+#[test]
+fn movers_are_not_written() {
+    let disc = |x, radius| Obstacle { shape: Shape::Disc { radius }, x, y: 5.0, yaw: 0.0 };
+    let still = World::new(Room::new(10.0, 10.0), vec![disc(2.0, 0.5)]).unwrap();
+    let mut world = still.clone();
+    world.add_movers(vec![disc(7.0, 0.3), disc(8.5, 0.3)]).unwrap();
+    let rule = headway_sim::GoalRule { distance: 4.0, clearance: 0.2 };
+    let scenario = Scenario::new(world.clone(), Pose::translation(1.0, 1.0), Point::new(9.0, 9.0), rule).unwrap();
+    let file = WorldFile::of_scenario("crowd", &scenario);
+    assert_eq!(file.unsupported, ["mover 0 at (7, 5)", "mover 1 at (8.5, 5)"]);
+    assert_eq!((file.world.obstacles(), file.world.movers()), (still.obstacles(), &[][..]));
+    for moving in [file.clone(), WorldFile { world, ..file.clone() }] {
+        let empty = WorldFile { world: still.clone(), ..file.clone() };
+        assert_eq!(to_sdf(&moving), to_sdf(&empty));
+        assert_eq!(to_map(&moving, 0.1, "a.pgm").unwrap(), to_map(&empty, 0.1, "a.pgm").unwrap());
+    }
+}

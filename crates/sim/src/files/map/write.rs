@@ -28,7 +28,7 @@ pub struct MapFiles {
 /// A map of a world in cells of `resolution` metres, with its picture under the name `image`.
 ///
 /// A cell is occupied if an obstacle covers any of it or if it reaches out of the room, so that what is free on the map
-/// is free in the world. [`parse_map`](super::parse_map) reads back boxes whose map is the same, cell by cell. Start
+/// is free in the world, but for its movers, which are not written. [`parse_map`](super::parse_map) reads back boxes whose map is the same, cell by cell. Start
 /// and goal stand in a key of our own, `headway`, which ROS passes over.
 ///
 /// # Errors
@@ -80,7 +80,7 @@ fn raster(world: &World, resolution: f64) -> Result<Cells, FieldError> {
     }
     let mut cells = Cells::empty(n(width) as usize, n(height) as usize);
     occupy_edge(&mut cells, [width / resolution, height / resolution]);
-    for index in 0..world.obstacles().len() {
+    for index in 0..world.static_obstacles().len() {
         occupy(&mut cells, &world.outline(Surface::Obstacle(index)), &Point::new(x, y), resolution);
     }
     Ok(cells)

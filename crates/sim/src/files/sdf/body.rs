@@ -52,12 +52,18 @@ pub(super) enum Geometry {
     Unsupported(String),
 }
 
-/// Reads the one geometry of a collision.
+/// Reads the one geometry of a collision, which has one shape, or several polylines.
 pub(super) fn parse(collision: Node<'_, '_>) -> Result<Geometry, FileError> {
     let geometry = required(collision, "geometry")?;
-    let Some(shape) = elements(geometry).next() else {
+    let mut shapes = elements(geometry);
+    let Some(shape) = shapes.next() else {
         return Err(refusal(geometry, FileProblem::Missing("a shape of the geometry".into())));
     };
+    let is_polyline = |shape: &Node<'_, '_>| shape.has_tag_name("polyline");
+    if let Some(second) = shapes.find(|second| !(is_polyline(&shape) && is_polyline(second))) {
+        let names = [shape, second].map(|shape| quoted(shape.tag_name().name())).join(" and ");
+        return Err(refusal(second, FieldError::new("geometry", names, "one shape")));
+    }
     let round = || Ok::<_, FileError>((sizes::<1>(shape, "radius")?[0], sizes::<1>(shape, "length")?[0]));
     let body = match shape.tag_name().name() {
         "empty" => return Ok(Geometry::Empty),
@@ -69,22 +75,24 @@ pub(super) fn parse(collision: Node<'_, '_>) -> Result<Geometry, FileError> {
         "plane" => plane(shape)?,
         "polyline" if elements(geometry).count() == 1 => extrusion(shape)?,
         "polyline" => return Ok(Geometry::Unsupported("polylines with holes".into())),
-        other => return Ok(Geometry::Unsupported(in_words(other, shape))),
+        other => return in_words(other, shape).map(Geometry::Unsupported),
     };
     Ok(Geometry::Body(body))
 }
 
 /// A geometry by its kind and the file it refers to.
-fn in_words(kind: &str, shape: Node<'_, '_>) -> String {
-    match child(shape, "uri").and_then(|uri| uri.text()) {
-        Some(uri) => format!("{} {}", quoted(kind).trim_matches('\''), quoted(uri.trim())),
-        None => quoted(kind).trim_matches('\'').to_owned(),
-    }
+fn in_words(kind: &str, shape: Node<'_, '_>) -> Result<String, FileError> {
+    let kind = quoted(kind);
+    let kind = kind.trim_matches('\'');
+    Ok(match child(shape, "uri")?.and_then(|uri| uri.text()) {
+        Some(uri) => format!("{kind} {}", quoted(uri.trim())),
+        None => kind.to_owned(),
+    })
 }
 
 fn plane(shape: Node<'_, '_>) -> Result<Body, FileError> {
-    let normal = child(shape, "normal").map_or(Ok([0.0, 0.0, 1.0]), exactly::<3>)?;
-    let size = if child(shape, "size").is_some() { sizes(shape, "size")? } else { [1.0; 2] };
+    let normal = child(shape, "normal")?.map_or(Ok([0.0, 0.0, 1.0]), exactly::<3>)?;
+    let size = if child(shape, "size")?.is_some() { sizes(shape, "size")? } else { [1.0; 2] };
     let Some(normal) = Unit::try_new(Vector3::from(normal), 1e-9) else {
         return Err(refusal(shape, FieldError::new("normal", "0 0 0", "a direction, other than 0")));
     };

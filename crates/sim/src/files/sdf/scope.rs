@@ -32,7 +32,7 @@ impl<'a, 'i: 'a> Scope<'a, 'i> {
     }
 
     fn resolve(&self, node: Node<'a, 'i>, parent: &Frame, depth: usize) -> Result<Frame, FileError> {
-        let pose = child(node, "pose");
+        let pose = child(node, "pose")?;
         let own = pose.map_or(Ok(Frame::identity()), Frame::parse)?;
         if let Some(frame) = pose.and_then(|pose| pose.attribute("frame")).filter(|frame| !frame.is_empty()) {
             let allowed = "empty: name the frame by relative_to";

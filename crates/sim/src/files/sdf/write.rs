@@ -23,7 +23,8 @@ const THICK: f64 = 0.1;
 /// start and goal in elements of a namespace of our own, which Gazebo passes over.
 ///
 /// [`parse_sdf`](super::parse_sdf) reads it back bit for bit, at any slice height from 0 to 2 m; the walls are
-/// recognised and not doubled. A list of what is unsupported is not written.
+/// recognised and not doubled. Movers are not written, as nothing would move them there, nor is the list of what is
+/// unsupported.
 ///
 /// ```
 /// use headway_sim::files::{SdfSpec, WorldFile, parse_sdf, to_sdf};
@@ -43,7 +44,7 @@ pub fn to_sdf(file: &WorldFile) -> String {
     for (index, wall) in walls(&file.world.room()).iter().enumerate() {
         obstacle(&mut sdf, &format!("wall_{index}"), wall, &format!("<headway:{WALL}/>"));
     }
-    for (index, it) in file.world.obstacles().iter().enumerate() {
+    for (index, it) in file.world.static_obstacles().iter().enumerate() {
         obstacle(&mut sdf, &format!("obstacle_{index}"), it, "");
     }
     sdf.push_str("  </world>\n</sdf>\n");

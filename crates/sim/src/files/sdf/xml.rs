@@ -58,14 +58,19 @@ pub(super) fn elements<'a, 'i: 'a>(node: Node<'a, 'i>) -> impl Iterator<Item = N
     node.children().filter(|child| child.is_element() && child.tag_name().namespace().is_none())
 }
 
-/// The first element of a name.
-pub(super) fn child<'a, 'i: 'a>(node: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
-    elements(node).find(|child| child.has_tag_name(name))
+/// The element of a name, of which there must not be a second.
+pub(super) fn child<'a, 'i: 'a>(node: Node<'a, 'i>, name: &str) -> Result<Option<Node<'a, 'i>>, FileError> {
+    let mut found = elements(node).filter(|child| child.has_tag_name(name));
+    let first = found.next();
+    match found.next() {
+        Some(second) => Err(refusal(second, FieldError::new(name, "a second one", "once in its element"))),
+        None => Ok(first),
+    }
 }
 
-/// The first element of a name, which must be there.
+/// The one element of a name, which must be there.
 pub(super) fn required<'a, 'i: 'a>(node: Node<'a, 'i>, name: &str) -> Result<Node<'a, 'i>, FileError> {
-    child(node, name).ok_or_else(|| refusal(node, FileProblem::Missing(name.into())))
+    child(node, name)?.ok_or_else(|| refusal(node, FileProblem::Missing(name.into())))
 }
 
 /// The numbers of a text.
