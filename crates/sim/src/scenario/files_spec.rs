@@ -126,7 +126,11 @@ impl FilesSpec {
                 let place = format!("({}, {})", start.translation.x, start.translation.y);
                 return Err(in_file("start", place, "a place where the vehicle touches nothing,"));
             }
-            if let Some(goal) = file.goal.filter(|goal| !(file.world.distance(goal) > 0.0)) {
+            let is_blocked = |goal: &Point| {
+                let room = file.world.distance(goal);
+                room.is_nan() || room <= 0.0
+            };
+            if let Some(goal) = file.goal.filter(is_blocked) {
                 return Err(in_file("goal", format!("({}, {})", goal.x, goal.y), "outside of all obstacles"));
             }
             read.push(file);
