@@ -21,7 +21,7 @@ pub struct Candidate {
 #[derive(Debug, Clone)]
 enum Who {
     Policy(Arc<Policy>),
-    Driver(DriverSpec),
+    Driver(Box<DriverSpec>),
 }
 
 impl Candidate {
@@ -34,7 +34,7 @@ impl Candidate {
     /// A classical driver.
     #[must_use]
     pub fn driver_of(spec: DriverSpec) -> Self {
-        Self { who: Who::Driver(spec), shield: None }
+        Self { who: Who::Driver(Box::new(spec)), shield: None }
     }
 
     /// The same with a shield around it, if one is given.

@@ -131,7 +131,7 @@ fn a_classical_driver_by_the_protocol() {
 fn a_table_says_what_it_rests_on() {
     let bench = Bench::new();
     let table = bench.succeed(&with("pure_pursuit", &["--runs", "2"]));
-    for part in ["world_1     2    100.0", "The simulator is Headway's, not Gazebo.", "No path file for world_2:"] {
+    for part in ["world_1     2      100.0", "The simulator is Headway's, not Gazebo.", "No path file for world_2:"] {
         assert!(table.contains(part), "{part} is missing in\n{table}");
     }
     assert!(table.contains("Nothing in these conditions is random"), "{table}");

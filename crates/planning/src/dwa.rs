@@ -12,7 +12,7 @@ use crate::{Controller, Costmap, Sensed};
 use map_grid::MapGrid;
 use recovery::Recovery;
 use rollout::{Score, Scorer};
-pub use spec::{DwaSpec, ObstacleCost};
+pub use spec::{DwaSpec, Escape, ObstacleCost};
 use window::DynamicWindow;
 
 /// The dynamic window approach (Fox, Burgard, Thrun 1997) with the scores of ROS's `base_local_planner`.
@@ -136,14 +136,15 @@ impl Dwa {
         best.map(|(_, command)| command)
     }
 
-    /// Backing up at `escape_speed`, if the vehicle can and the way is free.
+    /// Backing up at `escape_speed`, if the vehicle can and the way is free, or need not be.
     fn back_up(&self, sensed: &Sensed<'_>) -> Option<Command> {
         let speed = self.spec.escape_speed.min(sensed.vehicle.max_reverse_speed);
         let scorer = Scorer::new(&self.spec, &self.costmap, &self.grid, &self.outline, &sensed.pose);
         let command = Command::new(-speed, 0.0);
         // Twice the way, so that it does not end against what is there.
         let time = 2.0 * self.spec.escape_reset_distance / speed;
-        (speed > 0.0 && scorer.is_free(command, time)).then_some(command)
+        let is_allowed = || self.spec.escape == Escape::Always || scorer.is_free(command, time);
+        (speed > 0.0 && is_allowed()).then_some(command)
     }
 
     fn end_escape(&mut self, pose: &Pose) {

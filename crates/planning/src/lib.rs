@@ -41,7 +41,7 @@ mod vfh;
 pub use controller::{Controller, Sensed};
 pub use costmap::{Costmap, CostmapSpec, INSCRIBED, LETHAL};
 pub use driver_spec::DriverSpec;
-pub use dwa::{Dwa, DwaSpec, ObstacleCost};
+pub use dwa::{Dwa, DwaSpec, Escape, ObstacleCost};
 pub use grid::GridMap;
 pub use planned::Planned;
 pub use pure_pursuit::PurePursuit;

@@ -73,7 +73,7 @@ pub fn execute(args: &EvaluateArgs, out: &mut dyn Write) -> Result<(), Error> {
 
 /// Who is asked for by POLICY.
 pub(super) enum Asked {
-    Driver(DriverSpec),
+    Driver(Box<DriverSpec>),
     Policy(Arc<Policy>),
 }
 
@@ -81,7 +81,7 @@ impl Asked {
     /// The classical driver of that name, or else the policy of that file.
     pub(super) fn of(args: &EvaluateArgs) -> Result<Self, Error> {
         if let Some(driver) = args.policy.to_str().and_then(DriverSpec::named) {
-            return Ok(Self::Driver(driver));
+            return Ok(Self::Driver(Box::new(driver)));
         }
         if !args.policy.exists() {
             return Err(Error::Input(format!(
@@ -115,7 +115,7 @@ impl Asked {
     /// Who drives under a spec that was made with these assignments.
     pub(super) fn candidate(self, spec: &RunSpec) -> Candidate {
         let candidate = match self {
-            Self::Driver(driver) => Candidate::driver_of(spec.policy.driver().unwrap_or(driver)),
+            Self::Driver(driver) => Candidate::driver_of(spec.policy.driver().unwrap_or(*driver)),
             Self::Policy(policy) => Candidate::policy(policy),
         };
         candidate.shielded(spec.evaluate.shield)

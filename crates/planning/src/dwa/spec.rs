@@ -23,6 +23,19 @@ pub enum ObstacleCost {
     Middle,
 }
 
+/// When a [`Dwa`] with no admissible trajectory left backs up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Escape {
+    /// If nothing is marked twice the distance back.
+    #[default]
+    IfFree,
+    /// In any case, as `base_local_planner` has it ("if the trajectory failed because the footprint hits something, we're
+    /// still going to back up"). It gets out of places where it would else stand, and hits what a lidar that looks ahead no longer
+    /// sees; and it never waits long enough to recover.
+    Always,
+}
+
 /// How a [`Dwa`] drives, as data.
 ///
 /// The default is the one published with the BARN challenge (Perille et al. 2020), which drives at up to 0.5 m/s. To drive
@@ -74,6 +87,8 @@ pub struct DwaSpec {
     pub goal_tolerance: f64,
     /// Speed at which it backs up where nothing else is left, m/s, if the vehicle's is not lower; 0 for never.
     pub escape_speed: f64,
+    /// When it does.
+    pub escape: Escape,
     /// Distance after which backing up is over, metres.
     pub escape_reset_distance: f64,
     /// Turn after which backing up is over, radians.
@@ -112,6 +127,7 @@ impl Default for DwaSpec {
             oscillation_reset_distance: 0.05,
             goal_tolerance: 0.25,
             escape_speed: 0.5,
+            escape: Escape::default(),
             escape_reset_distance: 0.1,
             escape_reset_angle: 0.1,
             patience: 15.0,

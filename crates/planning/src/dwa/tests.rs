@@ -168,9 +168,17 @@ fn backs_up_if_it_can_and_nothing_is_behind() {
         let back = boxed(4.0 - behind, 5.0, 0.05, 0.5);
         World::new(Room::new(20.0, 10.0), posts.into_iter().chain([back]).collect()).unwrap()
     };
-    for (behind, max_reverse_speed, speed) in [(2.0, 1.0, -0.5), (2.0, 0.2, -0.2), (2.0, 0.0, 0.0), (0.4, 1.0, 0.0)] {
+    let (if_free, always) = (Escape::IfFree, Escape::Always);
+    for (behind, max_reverse_speed, escape, speed) in [
+        (2.0, 1.0, if_free, -0.5),
+        (2.0, 0.2, if_free, -0.2),
+        (2.0, 0.0, if_free, 0.0),
+        (0.4, 1.0, if_free, 0.0),
+        (0.4, 1.0, always, -0.5),
+        (0.4, 0.0, always, 0.0),
+    ] {
         let vehicle = VehicleSpec { max_reverse_speed, ..jackal() };
-        let mut dwa = DwaSpec::default().build().unwrap();
+        let mut dwa = DwaSpec { escape, ..DwaSpec::default() }.build().unwrap();
         let command = command_at_rest(&mut dwa, &vehicle, &world(behind), Point::new(12.0, 5.0), None);
         assert_eq!(command, Command::new(speed, 0.0), "{behind}");
     }

@@ -92,7 +92,7 @@ impl Report {
     pub fn table(&self) -> String {
         let width = self.worlds.iter().map(|row| row.world.chars().count()).max().unwrap_or(0).max("world".len());
         let mut text = format!(
-            "{:width$}  runs  success  collision  timeout  mean time   score   score\n{:width$}              %          %        %          s    2022    2023\n",
+            "{:width$}  runs    success  collision    timeout  mean time   score   score\n{:width$}                %          %          %          s    2022    2023\n",
             "world", ""
         );
         let rule = "\u{2500}".repeat(text.lines().map(|line| line.chars().count()).max().unwrap_or(0));
@@ -106,7 +106,7 @@ impl Report {
             let range = |low: f64, high: f64| format!("{:.1}\u{2013}{:.1}", 100.0 * low, 100.0 * high);
             let _ = writeln!(
                 text,
-                "{:width$}      {:>9}{:>11}{:>9}",
+                "{:width$}      {:>11}{:>11}{:>11}",
                 "",
                 range(i.success_low, i.success_high),
                 range(i.collision_low, i.collision_high),
@@ -159,7 +159,7 @@ impl Row {
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "{:width$}  {:>4}{:>9}{:>11}{:>9}{time:>11}  {:.4}  {:.4}",
+            "{:width$}  {:>4}{:>11}{:>11}{:>11}{time:>11}  {:.4}  {:.4}",
             self.world,
             self.runs,
             percent(self.success),
