@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use headway_env::{Mdp, NavSpec};
-use headway_planning::{Controller, DriverSpec};
+use headway_planning::{Controller, DriverSpec, ShieldSpec};
 use headway_policy::{Driver, Policy};
 
 use crate::Error;
@@ -85,10 +85,16 @@ impl Candidate {
             Who::Policy(policy) => {
                 Box::new(Driver::new(Arc::clone(policy), vehicle, lidar).map_err(|error| input(&error))?)
             }
-            Who::Driver(spec) => spec.build().map_err(|error| input(&error.under("policy")))?,
+            Who::Driver(spec) => {
+                spec.suits(vehicle).map_err(|error| input(&error.under("policy")))?;
+                spec.build().map_err(|error| input(&error.under("policy")))?
+            }
         };
         match &self.shield {
             None => Ok(driver),
+            Some(_) if !ShieldSpec::foresees(vehicle) => {
+                Err(Error::Input(format!("--shield (evaluate.shield) {}", ShieldSpec::FORESEEN)))
+            }
             Some(shield) => {
                 let shield = shield.for_vehicle(vehicle).build(driver);
                 Ok(Box::new(shield.map_err(|error| input(&error.under("evaluate.shield")))?))

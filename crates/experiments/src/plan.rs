@@ -79,7 +79,10 @@ impl<'a> TrainTables<'a> {
             spec;
         let is_learned = policy.is_learned();
         let files = match policy {
-            PolicySpec::Learned {} => digests_of(world)?,
+            PolicySpec::Learned {} => {
+                let stages = train.curriculum.iter().map(|stage| &stage.world);
+                std::iter::once(world).chain(stages).map(digests_of).collect::<Result<Vec<_>, _>>()?.concat()
+            }
             PolicySpec::File { path } => vec![digest_of(path)?],
             _ => Vec::new(),
         };

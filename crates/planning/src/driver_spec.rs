@@ -1,6 +1,6 @@
 //! Classical drivers by name.
 
-use headway_sim::FieldError;
+use headway_sim::{FieldError, VehicleSpec};
 use serde::{Deserialize, Serialize};
 
 use crate::{Controller, DwaSpec, PurePursuit, RegulatedPursuitSpec, VfhSpec};
@@ -58,6 +58,20 @@ impl DriverSpec {
             Self::PurePursuit(_) => "pure_pursuit",
             Self::PlainPursuit(_) => "plain_pursuit",
             Self::Vfh(_) => "vfh",
+        }
+    }
+
+    /// Checks that it can drive a vehicle: all but plain pursuit turn on the spot now and then.
+    ///
+    /// # Errors
+    /// If the vehicle cannot do that.
+    pub fn suits(&self, vehicle: &VehicleSpec) -> Result<(), FieldError> {
+        match self {
+            Self::Dwa(_) | Self::PurePursuit(_) | Self::Vfh(_) if vehicle.drive.turning_radius() > 0.0 => {
+                let allowed = "plain_pursuit for a vehicle that cannot turn on the spot (vehicle.drive)";
+                Err(FieldError::new("type", self.name(), allowed))
+            }
+            _ => Ok(()),
         }
     }
 

@@ -212,10 +212,13 @@ impl RegulatedPursuit {
         surroundings.is_free_along(&mut Front::new(), &twist, time)
     }
 
-    /// What to do where the way is blocked: turn to the point ahead, or stand.
+    /// A turn on the spot to the point ahead, where the next part of it is free, or else none: what to do where that point lies
+    /// far aside, or where the way is blocked.
     fn blocked(&self, sensed: &Sensed<'_>, bearing: f64) -> Command {
         let turn = self.turn(sensed, bearing);
-        if self.is_free(sensed, turn, sensed.vehicle.control_period) { turn } else { Command::default() }
+        let until_there = bearing.abs() / turn.yaw_rate.abs().max(1e-9);
+        let time = self.spec.max_allowed_time_to_collision.min(until_there).max(sensed.vehicle.control_period);
+        if self.is_free(sensed, turn, time) { turn } else { Command::default() }
     }
 }
 
@@ -225,7 +228,7 @@ impl Controller for RegulatedPursuit {
     fn command(&mut self, sensed: &Sensed<'_>) -> Command {
         let Carrot { distance, bearing, remaining } = self.carrot(sensed);
         if bearing.abs() > self.spec.rotate_to_heading_min_angle {
-            return self.turn(sensed, bearing);
+            return self.blocked(sensed, bearing);
         }
         let curvature = if distance > 1e-9 { 2.0 * bearing.sin() / distance } else { 0.0 };
         let speed = self.regulated_speed(curvature, self.clearance(sensed), remaining);

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use headway_sim::check::{non_negative, within};
-use headway_sim::{Command, FieldError, Twist, VehicleSpec};
+use headway_sim::{Command, Drive, FieldError, Twist, VehicleSpec};
 use serde::{Deserialize, Serialize};
 
 use crate::sweep::{Front, Surroundings, Unseen};
@@ -33,6 +33,18 @@ impl Default for ShieldSpec {
 }
 
 impl ShieldSpec {
+    /// What [`Self::foresees`] asks for, in words.
+    pub const FORESEEN: &'static str =
+        "must be left out: it foresees latency, but neither lags of actuators nor a drive that steers";
+
+    /// Whether a shield knows how a vehicle will go on: not with lags of its actuators, nor with [`Drive::Ackermann`].
+    #[must_use]
+    pub fn foresees(vehicle: &VehicleSpec) -> bool {
+        let actuation = &vehicle.actuation;
+        let lags = actuation.speed_lag > 0.0 || actuation.yaw_rate_lag > 0.0;
+        !lags && !matches!(vehicle.drive, Drive::Ackermann { .. })
+    }
+
     /// Puts a shield around a driver.
     ///
     /// # Errors
@@ -144,8 +156,8 @@ impl<C> Shield<C> {
             return Command { lateral_speed: 0.0, ..asked };
         }
         self.n_vetoes += 1;
-        let found =
-            gentler(sensed.vehicle, &target).find(|command| forecast.is_safe(&self::target(sensed.vehicle, *command)));
+        let found = gentler(sensed.vehicle, &within_limits(sensed.vehicle, asked))
+            .find(|command| forecast.is_safe(&self::target(sensed.vehicle, *command)));
         self.n_stops += u64::from(found.is_none());
         found.unwrap_or_default()
     }
@@ -179,8 +191,14 @@ fn n_under_way(latency: f64, period: f64) -> usize {
     (latency / period - 1e-9).ceil().max(0.0) as usize
 }
 
-/// The twist that a command makes the vehicle approach.
+/// The twist that a command makes the vehicle approach: with wheels that skid, less than all of the yaw rate.
 fn target(vehicle: &VehicleSpec, command: Command) -> Twist {
+    let asked = within_limits(vehicle, command);
+    Twist::new(asked.x, 0.0, asked.z * vehicle.actuation.yaw_rate_gain)
+}
+
+/// The speed and the yaw rate of a command as far as the vehicle's limits allow.
+fn within_limits(vehicle: &VehicleSpec, command: Command) -> Twist {
     let finite = |number: f64| if number.is_finite() { number } else { 0.0 };
     Twist::new(
         finite(command.speed).clamp(-vehicle.max_reverse_speed, vehicle.max_speed),

@@ -13,7 +13,7 @@ use crate::{Header, Layer, Policy, PolicyError, atomic};
 /// policy is to give the same bytes.
 const KEY: &str = "headway.policy";
 /// The version of the file format that is written and read.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 
 #[derive(Serialize, Deserialize)]
 struct Metadata<'a> {

@@ -33,8 +33,8 @@ fn bad_files_are_refused_with_a_reason() {
         "not a policy file: its metadata have no entry `headway.policy`"
     );
     assert_eq!(
-        refused(&replaced(r#"\"format\":1"#, r#"\"format\":7"#)),
-        "not a policy file: its format is version 7, this program reads version 1"
+        refused(&replaced(r#"\"format\":2"#, r#"\"format\":7"#)),
+        "not a policy file: its format is version 7, this program reads version 2"
     );
     assert!(refused(&replaced("max_speed", "max_sqeed")).contains("unknown field `max_sqeed`"));
     assert!(refused(&replaced("layers.1.bias", "layers.7.bias")).contains("layers.1.bias"));

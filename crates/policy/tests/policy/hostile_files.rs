@@ -104,7 +104,7 @@ fn sizes_and_depths_that_a_file_only_claims_are_refused() {
     let nested = refused(|parts| parts.metadata["header"]["provenance"] = serde_json::json!({ "run": [[[[]]]] }));
     assert!(nested.starts_with("not a policy file: its metadata `headway.policy`: invalid type: "), "{nested}");
     let inner =
-        serde_json::json!({ "__metadata__": { "headway.policy": format!("{{\"format\":1,\"header\":{deep}") } });
+        serde_json::json!({ "__metadata__": { "headway.policy": format!("{{\"format\":2,\"header\":{deep}") } });
     let claim = |shape: &str, end: u64| {
         file(&format!(r#"{{"layers.0.bias":{{"dtype":"F32","shape":{shape},"data_offsets":[0,{end}]}}}}"#))
     };

@@ -89,7 +89,7 @@ fn read_cells(path: &Path) -> Result<Vec<[i64; 2]>, Error> {
     let file = npyz::NpyFile::new(&bytes[..]).map_err(|error| bad(format!("not a .npy file: {error}")))?;
     let (shape, order) = (file.shape().to_vec(), file.order());
     let n_cells = match shape[..] {
-        [n, 2] if n <= MAX_CELLS => n as usize,
+        [n, 2] if (1..=MAX_CELLS).contains(&n) => n as usize,
         _ => return Err(bad(format!("an array of shape {shape:?}; a path has the shape [n, 2]"))),
     };
     let numbers = file.data::<i64>().map_err(|error| bad(format!("not 64-bit whole numbers: {error}")))?;
