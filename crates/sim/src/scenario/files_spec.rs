@@ -23,8 +23,8 @@ use one_file::OneFile;
 /// same folder elsewhere is split alike, and a file of a new name moves at most one of the others to the other side.
 ///
 /// What is not given of start and goal is drawn anew for each scenario, at least `start_goal_distance` from the other
-/// and joined to it by a path as wide as the vehicle's circumscribed circle. Where both are given, whether a path joins
-/// them is not checked.
+/// and joined to it by a path as wide as the vehicle's circumscribed circle: a given start or goal from which only
+/// narrower ones lead away is refused. Where both are given, whether a path joins them is not checked.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FilesSpec {
