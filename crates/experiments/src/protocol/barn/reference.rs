@@ -14,7 +14,7 @@ use crate::Error;
 pub enum Reference {
     /// Its length, metres, from a path file.
     Published(f64),
-    /// There is no path file: it has to be planned, see [`Reference::length`].
+    /// There is no path file: a shortest way has to be planned instead.
     Missing,
 }
 
