@@ -89,9 +89,9 @@ impl VehiclePreset {
                 control_period: 0.1,
                 ..Self::Default.spec()
             },
-            // Fitted, not measured: such that the published DWA takes the published time and hits as often as published in half of
-            // BARN's public worlds; docs/results.md has the other half. Commands pass move_base, a multiplexer and a controller;
-            // to turn, four wheels must skid, so that a part of the yaw rate is lost; `move_base` commands at 20 Hz.
+            // Fitted, not measured: such that the published DWA takes the published time in half of BARN's public worlds;
+            // docs/results.md has the other half, and what each number does. Commands pass move_base (20 Hz), a multiplexer and a
+            // controller; to turn, four wheels must skid, so that a part of the yaw rate is lost.
             Self::JackalGazebo => VehicleSpec {
                 control_period: 0.05,
                 actuation: ActuationSpec { latency: 0.2, yaw_rate_gain: 0.5, noise: 0.05, ..ActuationSpec::default() },
