@@ -12,6 +12,7 @@
 //! | `heading` | [`Heading`] | the cosine of the goal's bearing, per step |
 //! | `time` | [`Time`] | 1 per second |
 //! | `proximity` | [`Proximity`] | how deep the vehicle is inside a safety margin, 0 to 1, per step |
+//! | `steady_speed` | [`SteadySpeed`] | arriving, progress up to a desired speed; charges more speed, and braking for nothing |
 //! | `sum` | [`Sum`] | the weighted sum of others |
 //!
 //! In a spec a reward is a table whose `type` is its tag. Fields left out take their defaults, unknown ones are errors:
@@ -47,6 +48,7 @@ mod registry;
 mod reward;
 mod serde_error;
 mod state;
+mod steady_speed;
 mod sum;
 pub mod testing;
 mod time;
@@ -62,6 +64,7 @@ pub use r_couple::RCouple;
 pub use registry::{Entry, check_tag, registry};
 pub use reward::Reward;
 pub use state::{Limits, State};
+pub use steady_speed::SteadySpeed;
 pub use sum::{Sum, Term};
 pub use time::Time;
 pub use transition::{Event, Transition};

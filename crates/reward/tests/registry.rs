@@ -2,7 +2,7 @@
 
 use headway_reward::{RewardError, check_tag, registry, testing};
 
-const TAGS: [&str; 7] = ["heading", "progress", "proximity", "r", "r_couple", "sum", "time"];
+const TAGS: [&str; 8] = ["heading", "progress", "proximity", "r", "r_couple", "steady_speed", "sum", "time"];
 
 #[test]
 fn lists_our_rewards_sorted() {
@@ -46,7 +46,8 @@ fn an_unknown_tag_lists_the_known_ones_and_says_what_plugins_need() {
     assert_eq!(error, RewardError::Unknown { tag: "smooth/needless_braking".to_owned(), known: TAGS.to_vec() });
     assert_eq!(
         error.to_string(),
-        "unknown reward `smooth/needless_braking`: this binary knows heading, progress, proximity, r, r_couple, sum, \
+        "unknown reward `smooth/needless_braking`: this binary knows heading, progress, proximity, r, r_couple, steady_speed, \
+         sum, \
          time. A plugin's rewards are known only to a binary that links the plugin and names it, as in \
          `use my_rewards as _;` in its main.rs: without that line the linker drops the plugin"
     );

@@ -14,7 +14,7 @@ fn rewards() {
             "[reward]\ntype = \"r_cuple\"",
             &[],
             "spec.toml:2: reward.type = \"r_cuple\": unknown reward `r_cuple`: this binary knows heading, progress, \
-             proximity, r, r_couple, sum, time. A plugin's rewards are known only to a binary that links the plugin and \
+             proximity, r, r_couple, steady_speed, sum, time. A plugin's rewards are known only to a binary that links the plugin and \
              names it, as in `use my_rewards as _;` in its main.rs: without that line the linker drops the plugin. Did \
              you mean `r_couple`?",
         ),

@@ -75,9 +75,8 @@ impl<'a> Scorer<'a> {
             last = self.grid.distances(cell)?;
             Some(())
         })?;
-        let cost = spec.path_distance_bias * f64::from(last.0)
-            + spec.goal_distance_bias * f64::from(last.1)
-            + spec.occdist_scale * f64::from(worst);
+        let [to_route, to_goal] = spec.biases();
+        let cost = to_route * f64::from(last.0) + to_goal * f64::from(last.1) + spec.occdist_scale * f64::from(worst);
         let ahead = end + heading * (spec.heading_lookahead / spec.costmap.map.cell);
         let ahead = self.cell(&ahead).map_or(u16::MAX, |cell| self.grid.to_goal(cell));
         Some(Score { cost, ahead })

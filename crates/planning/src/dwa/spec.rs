@@ -71,10 +71,16 @@ pub struct DwaSpec {
     pub sim_granularity: f64,
     /// Angle between two checks on the way, radians at most.
     pub angular_sim_granularity: f64,
-    /// What a cell of distance to the route costs.
+    /// What a cell, or with `meter_scoring` a metre, of distance to the route costs.
     pub path_distance_bias: f64,
-    /// What a cell of distance to the local goal costs.
+    /// What a cell, or with `meter_scoring` a metre, of distance to the local goal costs.
     pub goal_distance_bias: f64,
+    /// Whether the two biases are per metre rather than per cell.
+    ///
+    /// BARN's file says `true`. Up to ROS Noetic `base_local_planner` never gives the member that remembers it a value, and
+    /// reads it when the parameters are applied, so that what ran there cannot be told. Per metre, obstacles weigh twenty
+    /// times more.
+    pub meter_scoring: bool,
     /// What a unit of the costmap's cost costs.
     pub occdist_scale: f64,
     /// Which cost that is.
@@ -121,6 +127,7 @@ impl Default for DwaSpec {
             angular_sim_granularity: 0.1,
             path_distance_bias: 0.75,
             goal_distance_bias: 1.0,
+            meter_scoring: false,
             occdist_scale: 0.1,
             obstacle_cost: ObstacleCost::Outline,
             heading_lookahead: 0.325,
@@ -162,6 +169,12 @@ impl DwaSpec {
         }
         let allowed = format!("from {least} (twice max_speed * sim_time, and 2 m) to {most} (1000 cells)");
         Err(FieldError::new("window", self.window, allowed))
+    }
+
+    /// What a cell of distance to the route and one to the local goal cost.
+    pub(super) fn biases(&self) -> [f64; 2] {
+        let scale = if self.meter_scoring { self.costmap.map.cell } else { 1.0 };
+        [self.path_distance_bias, self.goal_distance_bias].map(|bias| bias * scale)
     }
 
     /// The map of marks that it drives by.

@@ -197,6 +197,14 @@ fn reset_forgets() {
 }
 
 #[test]
+fn biases_per_metre_are_those_of_a_cell_of_five_centimetres() {
+    let spec = DwaSpec::default();
+    assert_eq!(spec.biases(), [0.75, 1.0]);
+    let [to_route, to_goal] = DwaSpec { meter_scoring: true, ..spec }.biases();
+    assert!((to_route - 0.0375).abs() < 1e-12 && (to_goal - 0.05).abs() < 1e-12);
+}
+
+#[test]
 fn specs_are_checked() {
     let refuse = |spec: DwaSpec| spec.build().unwrap_err().to_string();
     assert_eq!(
