@@ -77,7 +77,7 @@ pub struct DwaSpec {
     pub goal_distance_bias: f64,
     /// Whether the two biases are per metre rather than per cell.
     ///
-    /// BARN's file says `true`. Up to ROS Noetic `base_local_planner` never gives the member that remembers it a value, and
+    /// BARN's file says `true`. `base_local_planner` of ROS Melodic never gives the member that remembers it a value, and
     /// reads it when the parameters are applied, so that what ran there cannot be told. Per metre, obstacles weigh twenty
     /// times more.
     pub meter_scoring: bool,
