@@ -69,8 +69,8 @@ impl Default for SteadySpeed {
             time: -2.5,
             proximity: -25.0,
             margin: 0.2,
-            overspeed: -200.0,
-            braking: -10.0,
+            overspeed: -100.0,
+            braking: -30.0,
             headway: 0.6,
         }
     }
@@ -163,8 +163,8 @@ mod tests {
 
     #[test]
     fn overspeed_by_hand() {
-        // 0.3 m/s too fast: -200 x 0.09 x 0.2.
-        assert_pays(&step([1.5; 2], 0.30), 9.6 - 0.5 - 3.6);
+        // 0.3 m/s too fast: -100 x 0.09 x 0.2.
+        assert_pays(&step([1.5; 2], 0.30), 9.6 - 0.5 - 1.8);
     }
 
     #[test]
@@ -188,7 +188,7 @@ mod tests {
     fn braking_costs_where_nothing_is_in_the_way() {
         // From 1 m/s: 0.25 m to stop and 0.6 m more.
         let beam_angles = [-0.6, -0.5, 0.0, 0.5, 0.6];
-        for (scan, cost) in [([0.1, 0.9, 0.9, 0.9, 0.1], 4.0), ([5.0, 5.0, 5.0, 0.84, 5.0], 0.0)] {
+        for (scan, cost) in [([0.1, 0.9, 0.9, 0.9, 0.1], 12.0), ([5.0, 5.0, 5.0, 0.84, 5.0], 0.0)] {
             let mut braking = step([1.0, 0.6], 0.1);
             (braking.before.scan, braking.before.beam_angles) = (&scan, &beam_angles);
             assert_pays(&braking, 4.0 - 0.5 - cost);
