@@ -19,7 +19,7 @@ name = "who"
 [axis.levels]
 learned = {}
 pursuit = { policy = { type = "pure_pursuit", desired_linear_vel = 0.6 }, "env.route.type" = "true_map" }
-vfh = { "policy.type" = "vfh", "evaluate.shield" = { margin = 0.1 } }
+vfh = { "policy.type" = "vfh", "evaluate.shield" = { margin = 0.3 } }
 "#;
 
 #[test]
@@ -58,7 +58,7 @@ fn who_is_not_trained_is_evaluated_beside_who_is() {
     let folder = bench.path(&bench.run("out", 2, 0)).join("evaluations");
     let evaluation = fs::read_dir(folder).unwrap().next().unwrap().unwrap().path();
     let spec = fs::read_to_string(evaluation.join("spec.toml")).unwrap();
-    assert!(spec.contains("[shield]") && spec.contains("margin = 0.1"), "{spec}");
+    assert!(spec.contains("[shield]") && spec.contains("margin = 0.3"), "{spec}");
 }
 
 #[test]

@@ -218,3 +218,40 @@ fn approach(value: f64, target: f64, share: f64, most: f64) -> f64 {
         target
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ActuationSpec;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// The bound on what is left of a braking vehicle's way, against driving it.
+        #[test]
+        fn braking_takes_no_longer_a_way_than_is_said(
+            (x, y, z, steering) in (-3.0..3.0, -1.0..1.0, -4.0..4.0, -0.5..0.5),
+            (speed_lag, yaw_rate_lag) in (0.0..0.5, 0.0..0.5),
+            (is_steered, share) in (any::<bool>(), 0.2..=1.0),
+            control_period in 0.05..0.3,
+        ) {
+            let car = Drive::Ackermann { wheelbase: 0.4, max_steering_angle: 0.5, max_steering_rate: 2.0 };
+            let drive = if is_steered { car } else { Drive::Omnidirectional { max_lateral_speed: 1.0 } };
+            let actuation = ActuationSpec { speed_lag, yaw_rate_lag, ..ActuationSpec::default() };
+            let spec = VehicleSpec { drive, actuation, control_period, ..VehicleSpec::default() };
+            let dynamics = Dynamics::weaker(&spec, [share; 2], control_period / 4.0);
+            let twist = if is_steered { Twist::new(x, 0.0, 0.0) } else { Twist::new(x, y, z) };
+            let mut wheels = Wheels { twist, steering: if is_steered { steering } else { 0.0 } };
+            let (most_way, most_turn) = dynamics.braking(&wheels);
+            let target = dynamics.target(Command::default(), wheels.steering);
+            let (mut way, mut turn) = (0.0, 0.0);
+            for _ in 0..2000 {
+                let stretch = dynamics.next_stretch(&mut wheels, target, &mut 1);
+                way += stretch.speed() * stretch.time;
+                turn += stretch.twist.z.abs() * stretch.time;
+            }
+            prop_assert!(way <= most_way + 1e-9 && turn <= most_turn + 1e-9, "{way} {most_way} {turn} {most_turn}");
+            // And not by much.
+            prop_assert!(most_way <= 2.0 * way + 3.0 * (x.abs() + y.abs()) * control_period, "{way} {most_way}");
+        }
+    }
+}
