@@ -4,6 +4,7 @@ pub mod args;
 mod cell;
 pub mod check;
 pub mod evaluate;
+mod fixed;
 pub mod list;
 mod protocol;
 pub mod report;
