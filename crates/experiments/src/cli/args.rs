@@ -185,7 +185,8 @@ pub struct EvaluateArgs {
     /// The evaluation world to drive in, by its name [default: all of them].
     #[arg(long, value_name = "NAME")]
     pub world: Option<String>,
-    /// Also draw episodes of the first of these worlds: the path coloured by speed, and the speed over time.
+    /// Also draw episodes of the first of these worlds: the path coloured by speed, what moves in orange, and
+    /// the speed over time.
     #[arg(long, value_name = "OUT.svg")]
     pub plot: Option<PathBuf>,
     /// Which episodes, or runs, to draw, counted from 0; several are drawn side by side, without speed over time.

@@ -5,6 +5,7 @@ mod cell;
 pub mod check;
 pub mod evaluate;
 mod fixed;
+mod left_out;
 pub mod list;
 mod protocol;
 pub mod report;
