@@ -67,6 +67,9 @@ pub enum EnvError {
         /// The number here.
         expected: usize,
     },
+    /// A saved state whose routes were planned otherwise.
+    #[error("the saved state's planner has other numbers than this environment's (env.route)")]
+    OtherPlanner,
     /// Threads that could not be started.
     #[error("cannot start the environments' threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),

@@ -153,10 +153,10 @@ impl Env for NavEnv {
 
     fn reset(&mut self, seed: u64, obs: &mut [f32]) -> Result<(), EnvError> {
         check_len("obs", obs.len(), self.n_envs * self.obs_dim())?;
-        self.seed = seed;
-        self.scenarios = (0..self.n_envs as u64).collect();
+        let scenarios: Vec<u64> = (0..self.n_envs as u64).collect();
         let make = |index: &u64| Navigator::new(Arc::clone(&self.mdp), seed, *index);
-        self.navigators = self.scenarios.iter().map(make).collect::<Result<_, _>>()?;
+        let navigators = scenarios.iter().map(make).collect::<Result<_, _>>()?;
+        (self.seed, self.scenarios, self.navigators) = (seed, scenarios, navigators);
         let rows = obs.chunks_exact_mut(self.mdp.obs_dim());
         self.navigators.iter().zip(rows).for_each(|(navigator, row)| navigator.observe(row));
         Ok(())

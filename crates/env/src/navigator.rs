@@ -294,12 +294,24 @@ impl Navigator {
     }
 
     /// A navigator that goes on from a saved state.
+    ///
+    /// # Errors
+    /// If the state was saved by rules with another lidar, other draws, or another planner.
     pub(crate) fn with_state(mdp: Arc<Mdp>, state: NavigatorState) -> Result<Self, EnvError> {
-        let expected = mdp.robot.lidar.beam_angles().len();
-        for found in [state.before.scan.len(), state.after.scan.len()] {
+        let n_beams = mdp.robot.lidar.beam_angles().len();
+        let (own_planner, n_drawn) = (mdp.planner()?, mdp.randomizer.paths().count());
+        for (what, found, expected) in [
+            ("beams a scan", state.before.scan.len(), n_beams),
+            ("beams a scan", state.after.scan.len(), n_beams),
+            ("numbers drawn anew each episode", state.drawn.len(), n_drawn),
+            ("planners over scans", usize::from(state.planner.is_some()), usize::from(own_planner.is_some())),
+        ] {
             if found != expected {
-                return Err(EnvError::StateMismatch { what: "beams a scan", found, expected });
+                return Err(EnvError::StateMismatch { what, found, expected });
             }
+        }
+        if state.planner.as_ref().map(|planner| planner.spec()) != own_planner.as_ref().map(|planner| planner.spec()) {
+            return Err(EnvError::OtherPlanner);
         }
         let robot = mdp.robot_of(&state.drawn)?;
         Ok(Self { mdp, robot, state })

@@ -3,8 +3,10 @@
 use std::sync::Arc;
 
 use headway_env::{
-    ActionSpec, Env, EnvSpec, GoalHandling, NavEnv, NavSpec, Navigator, ObservationSpec, RouteSource, Step, TrueMapSpec,
+    ActionSpec, Distribution, Env, EnvSpec, GoalHandling, NavEnv, NavSpec, Navigator, ObservationSpec, RouteSource,
+    Step, TrueMapSpec,
 };
+use headway_planning::ScanPlannerSpec;
 use headway_reward::{Heading, Progress, Proximity, RCouple, Sum};
 use headway_sensors::LidarSpec;
 use headway_sim::{
@@ -171,6 +173,65 @@ fn misuse_is_an_error() {
     assert_eq!(message, "the saved state holds 2 environments, this environment 3");
     assert!(larger.load(&mut &bytes[..bytes.len() / 2]).is_err());
     assert!(larger.step(&[0; 3], &mut Step::new(3, 42)).is_err()); // not reset yet
+}
+
+#[test]
+fn a_reset_that_fails_leaves_all_as_it_was() {
+    let route = RouteSource::TrueMap(TrueMapSpec { cell: 0.02, ..TrueMapSpec::default() });
+    let env_spec = EnvSpec { route, ..EnvSpec::default() };
+    let mut env = NavEnv::new(NavSpec { env: env_spec, ..NavSpec::default() }.build().unwrap(), 2);
+    let mut step = Step::new(2, env.obs_dim());
+    env.reset(3, &mut step.obs).unwrap();
+    let state = |env: &NavEnv| {
+        let mut bytes = Vec::new();
+        env.save(&mut bytes).unwrap();
+        bytes
+    };
+    // A map of it would have 625 000 000 cells.
+    let side = Interval::Fixed(500.0);
+    let obstacles = Quantity::Count(0);
+    let huge = RoomSpec { width: side, height: side, obstacles, start_goal_clearance: 0.5, ..RoomSpec::default() };
+    env.set_world(&WorldSpec::Room(huge)).unwrap();
+    let before = state(&env);
+    let error = env.reset(4, &mut step.obs).unwrap_err().to_string();
+    assert!(error.starts_with("a map of 500 x 500 m in cells of 0.02 m"), "{error}");
+    assert_eq!(state(&env), before);
+}
+
+#[test]
+fn a_state_of_other_rules_is_refused_by_name() {
+    let planned = |planner: ScanPlannerSpec| {
+        let env = EnvSpec { route: RouteSource::Scans(planner), ..EnvSpec::default() };
+        NavSpec { env, ..NavSpec::default() }
+    };
+    let randomize = [("vehicle.actuation.latency".to_owned(), Distribution::Uniform([0.0, 0.1]))].into();
+    let specs = [
+        NavSpec::default(),
+        NavSpec { randomize, ..NavSpec::default() },
+        planned(ScanPlannerSpec::default()),
+        planned(ScanPlannerSpec { stray: 0.7, ..ScanPlannerSpec::default() }),
+    ];
+    let start = |spec: &NavSpec| {
+        let mut env = NavEnv::new(spec.build().unwrap(), 1);
+        let mut step = Step::new(1, env.obs_dim());
+        env.reset(0, &mut step.obs).unwrap();
+        env
+    };
+    let load = |from: usize, into: usize| {
+        let mut bytes = Vec::new();
+        start(&specs[from]).save(&mut bytes).unwrap();
+        start(&specs[into]).load(&mut bytes.as_slice()).map_err(|error| error.to_string())
+    };
+    for (from, into, expected) in [
+        (0, 1, "the saved state holds 0 numbers drawn anew each episode, this environment 1"),
+        (1, 0, "the saved state holds 1 numbers drawn anew each episode, this environment 0"),
+        (0, 2, "the saved state holds 0 planners over scans, this environment 1"),
+        (2, 0, "the saved state holds 1 planners over scans, this environment 0"),
+        (2, 3, "the saved state's planner has other numbers than this environment's (env.route)"),
+    ] {
+        assert_eq!(load(from, into), Err(expected.to_owned()));
+    }
+    assert!((0..specs.len()).all(|k| load(k, k).is_ok()));
 }
 
 #[test]

@@ -1,13 +1,18 @@
 //! Who is evaluated.
 
-use std::path::Path;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use headway_env::{Mdp, NavSpec};
+use headway_env::{Control, Mdp, NavSpec};
 use headway_planning::{Controller, DriverSpec, ShieldSpec};
 use headway_policy::{Driver, Policy};
+use headway_sim::VehicleSpec;
+use serde::Serialize;
+use toml::Value;
 
 use crate::Error;
+use crate::difference::changes;
 use crate::evaluate::adapt;
 
 /// A policy or a classical driver, with or without a shield around it: a driver as often as one is needed.
@@ -19,15 +24,43 @@ pub struct Candidate {
 
 #[derive(Debug, Clone)]
 enum Who {
-    Policy(Arc<Policy>),
+    Policy { policy: Arc<Policy>, file: Option<PathBuf> },
     Driver(Box<DriverSpec>),
+}
+
+/// Who drives, as a report has it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+pub enum Identity {
+    /// A policy.
+    Policy {
+        /// Its file, where it came from one.
+        file: Option<PathBuf>,
+        /// What it controls.
+        control: Control,
+        /// Where it comes from, as its file has it.
+        provenance: BTreeMap<String, String>,
+    },
+    /// A classical driver.
+    Driver {
+        /// Its name.
+        name: &'static str,
+        /// Its parameters where they are not the defaults of [`DriverSpec::named`], by dotted paths.
+        changed: BTreeMap<String, Option<Value>>,
+    },
 }
 
 impl Candidate {
     /// A policy.
     #[must_use]
     pub fn policy(policy: Arc<Policy>) -> Self {
-        Self { who: Who::Policy(policy), shield: None }
+        Self { who: Who::Policy { policy, file: None }, shield: None }
+    }
+
+    /// A policy that was read from a file.
+    #[must_use]
+    pub fn policy_of(policy: Arc<Policy>, file: &Path) -> Self {
+        Self { who: Who::Policy { policy, file: Some(file.to_owned()) }, shield: None }
     }
 
     /// A classical driver.
@@ -48,7 +81,38 @@ impl Candidate {
     /// If it cannot be read or is no policy.
     pub fn load(path: &Path) -> Result<Self, Error> {
         let policy = Policy::load(path).map_err(|error| Error::Input(error.to_string()))?;
-        Ok(Self::policy(Arc::new(policy)))
+        Ok(Self::policy_of(Arc::new(policy), path))
+    }
+
+    /// Who it is.
+    ///
+    /// ```
+    /// use headway_experiments::candidate::{Candidate, Identity};
+    /// use headway_planning::{DriverSpec, DwaSpec};
+    /// let faster = DriverSpec::Dwa(DwaSpec { max_speed: 1.0, ..DwaSpec::default() });
+    /// let Identity::Driver { name, changed } = Candidate::driver_of(faster).identity() else { panic!("a driver") };
+    /// assert_eq!((name, changed.len()), ("dwa", 1));
+    /// assert_eq!(changed["max_speed"], Some(1.0.into()));
+    /// ```
+    #[must_use]
+    pub fn identity(&self) -> Identity {
+        match &self.who {
+            Who::Policy { policy, file } => {
+                let header = policy.header();
+                Identity::Policy { file: file.clone(), control: header.control, provenance: header.provenance.clone() }
+            }
+            Who::Driver(spec) => {
+                let tree = |spec: &DriverSpec| Value::try_from(spec).expect("numbers and names have a TOML form");
+                let default = DriverSpec::named(spec.name()).unwrap_or_else(|| DriverSpec::clone(spec));
+                Identity::Driver { name: spec.name(), changed: changes(&tree(&default), &tree(spec)) }
+            }
+        }
+    }
+
+    /// The shield around it in a vehicle, if there is one.
+    #[must_use]
+    pub fn shield(&self, vehicle: &VehicleSpec) -> Option<ShieldSpec> {
+        self.shield.map(|shield| shield.for_vehicle(vehicle))
     }
 
     /// Replaces in `rules` what a policy brings along: the route that it is shown, what it observes and controls.
@@ -56,7 +120,7 @@ impl Candidate {
     /// # Errors
     /// If the policy was made for another vehicle or lidar than `rules` have.
     pub fn rules(&self, mut rules: NavSpec) -> Result<NavSpec, Error> {
-        if let Who::Policy(policy) = &self.who {
+        if let Who::Policy { policy, .. } = &self.who {
             policy.check(&rules.vehicle, &rules.lidar).map_err(|error| Error::Input(error.to_string()))?;
             adapt(&mut rules.env, policy);
         }
@@ -81,7 +145,7 @@ impl Candidate {
         let (vehicle, lidar) = (mdp.vehicle().spec(), mdp.lidar().spec());
         let input = |error: &dyn std::error::Error| Error::Input(error.to_string());
         let driver = match &self.who {
-            Who::Policy(policy) => {
+            Who::Policy { policy, .. } => {
                 Box::new(Driver::new(Arc::clone(policy), vehicle, lidar).map_err(|error| input(&error))?)
             }
             Who::Driver(spec) => {

@@ -1,5 +1,7 @@
 //! Evaluation: drivers on held-out scenarios, one goal an episode.
 
+mod drawing;
+
 use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::Arc;
@@ -7,11 +9,13 @@ use std::sync::Arc;
 use headway_env::{EnvSpec, Event, Mdp, NavSpec, Navigator, StepEnd};
 use headway_planning::Controller;
 use headway_policy::{Driver, Policy};
-use headway_sim::{Point, Room, Scenario, Surface, stream_seed};
+use headway_sim::{Point, Scenario, stream_seed};
 
 use crate::Error;
 use crate::episode::{EpisodeMeter, EpisodeRecord, Outcome, Sample};
-use crate::plot::{Outline, PathSample, Trajectory};
+use crate::plot::Trajectory;
+
+pub(crate) use drawing::draw;
 
 /// Half the opening of the cone that must be clear for a deceleration to be needless, radians.
 const CONE: f64 = PI / 6.0;
@@ -140,75 +144,6 @@ impl ScenarioSet {
     fn no_episode(&self, index: usize) -> Error {
         Error::Input(format!("there is no episode {index}: there are {}, counted from 0", self.len()))
     }
-}
-
-/// A drive in a scenario as a picture needs it; `drive` shows every state of it and tells how it ended.
-pub(crate) fn draw(
-    mdp: &Mdp,
-    scenario: &Scenario,
-    title: String,
-    drive: impl FnOnce(&mut dyn FnMut(&Navigator)) -> Result<Outcome, Error>,
-) -> Result<Trajectory, Error> {
-    let (mut samples, mut t) = (Vec::new(), 0.0);
-    let outcome = drive(&mut |vehicle| {
-        t += vehicle.step_duration();
-        let (pose, twist) = (vehicle.vehicle().pose, vehicle.vehicle().twist);
-        let (x, y) = (pose.translation.x, pose.translation.y);
-        samples.push(PathSample { t, x, y, yaw: pose.rotation.angle(), speed: twist.x });
-    })?;
-    let (obstacles, room) = (outlines(scenario), scenario.world.room());
-    let view = view(&room, &obstacles, [scenario.start.translation.vector.into(), scenario.goal]);
-    Ok(Trajectory {
-        title,
-        x: view.x,
-        y: view.y,
-        width: view.width,
-        height: view.height,
-        obstacles,
-        goal: [scenario.goal.x, scenario.goal.y],
-        reach_radius: mdp.reach_radius(),
-        footprint_radius: mdp.vehicle().footprint().circumradius(),
-        samples,
-        outcome,
-    })
-}
-
-/// The part of a room that is shown: all of it, or where most of it is empty, what stands in it, the ends of the way, and a
-/// metre around.
-fn view(room: &Room, obstacles: &[Outline], ends: [Point; 2]) -> Room {
-    const MARGIN: f64 = 1.0;
-    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    let mut hold = |point: [f64; 2], radius: f64| {
-        for axis in 0..2 {
-            low[axis] = low[axis].min(point[axis] - radius);
-            high[axis] = high[axis].max(point[axis] + radius);
-        }
-    };
-    ends.iter().for_each(|end| hold([end.x, end.y], 0.0));
-    for obstacle in obstacles {
-        match obstacle {
-            Outline::Disc { x, y, radius } => hold([*x, *y], *radius),
-            Outline::Polygon { points } => points.iter().for_each(|point| hold(*point, 0.0)),
-        }
-    }
-    let (x, y) = ((low[0] - MARGIN).max(room.x), (low[1] - MARGIN).max(room.y));
-    let right = (high[0] + MARGIN).min(room.x + room.width);
-    let above = (high[1] + MARGIN).min(room.y + room.height);
-    let part = Room { x, y, width: right - x, height: above - y };
-    if part.width * part.height < 0.5 * room.width * room.height { part } else { *room }
-}
-
-fn outlines(scenario: &Scenario) -> Vec<Outline> {
-    let obstacles = (0..scenario.world.obstacles().len()).map(Surface::Obstacle);
-    obstacles
-        .filter_map(|surface| match scenario.world.outline(surface) {
-            headway_sim::Outline::Disc { center, radius } => Some(Outline::Disc { x: center.x, y: center.y, radius }),
-            headway_sim::Outline::Polygon(corners) => {
-                Some(Outline::Polygon { points: corners.iter().map(|corner| [corner.x, corner.y]).collect() })
-            }
-            headway_sim::Outline::Wall(_) => None,
-        })
-        .collect()
 }
 
 fn outcome(end: &StepEnd) -> Option<Outcome> {

@@ -161,10 +161,10 @@ pub(crate) fn evaluation_key<'a>(
 }
 
 impl<'a> Plan<'a> {
-    /// The plan of a grid; touches no file.
+    /// The plan of a grid. It writes nothing, and reads the world files that specs name, for their digests.
     ///
     /// # Errors
-    /// If a spec has no TOML form.
+    /// If a spec has no TOML form, or a world file cannot be read.
     pub(crate) fn new(grid: &'a Grid) -> Result<Self, Error> {
         let mut plan = Self { grid, runs: Vec::new(), index: index(grid) };
         let mut places = HashMap::new();

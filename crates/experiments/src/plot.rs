@@ -29,8 +29,10 @@ pub struct Trajectory {
     pub width: f64,
     /// Extent of the room in y, m, positive.
     pub height: f64,
-    /// The obstacles.
+    /// The obstacles that stand still.
     pub obstacles: Vec<Outline>,
+    /// Those that move.
+    pub movers: Vec<Track>,
     /// The goal, m.
     pub goal: [f64; 2],
     /// Distance from the goal at which it counts as reached, m.
@@ -75,6 +77,25 @@ pub enum Outline {
         /// The vertices, in either direction round.
         points: Vec<[f64; 2]>,
     },
+}
+
+/// An obstacle that moves, m.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Track {
+    /// Its outline when the drive began.
+    pub first: Outline,
+    /// Its outline when the drive ended.
+    pub last: Outline,
+    /// Where it was, in the order of time.
+    pub places: Vec<[f64; 2]>,
+}
+
+impl Track {
+    /// That of an obstacle which has not moved yet.
+    #[must_use]
+    pub fn new(first: Outline) -> Self {
+        Self { last: first.clone(), first, places: Vec::new() }
+    }
 }
 
 impl Trajectory {

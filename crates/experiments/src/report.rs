@@ -11,7 +11,7 @@ pub use load::load;
 pub use runs::{Policy, RunRow};
 
 use crate::episode::{EpisodeRecord, Metric, SeedSummary};
-use crate::stats::{Estimate, over_seeds, wilson};
+use crate::stats::{Estimate, over_units, wilson};
 use crate::store::AxisLevel;
 
 /// The width of terminal tables, in characters.
@@ -70,7 +70,7 @@ impl Row {
     pub fn of_seeds(axes: Vec<AxisLevel>, world: String, seeds: &[SeedSummary]) -> Self {
         let estimates = Metric::ALL.map(|metric| {
             let values: Vec<_> = seeds.iter().map(|seed| metric.of(seed)).collect();
-            over_seeds(&values)
+            over_units(&values)
         });
         Self {
             axes,

@@ -1,16 +1,21 @@
-//! Estimates over training seeds, and the interval of a single policy's rate.
+//! Estimates over training seeds, or other units, and intervals of a single policy's rates.
 //!
-//! The training *seed* is the unit: a policy's episodes share its luck, so pooled episodes would give intervals that are
-//! far too narrow (Agarwal et al., 2021, "Deep Reinforcement Learning at the Edge of the Statistical Precipice").
+//! Between trained policies, the training *seed* is the unit: a policy's episodes share its luck, so pooled episodes would give
+//! intervals that are far too narrow (Agarwal et al., 2021, "Deep Reinforcement Learning at the Edge of the Statistical
+//! Precipice"). In a benchmark of few worlds, the *world* is, for the same reason.
+
+mod clustered;
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde::Serialize;
 
+pub use clustered::{Clustered, clustered};
+
 /// Number of bootstrap resamples.
 const N_RESAMPLES: usize = 10_000;
-/// Fewest seeds for which an interval is given.
-const MIN_SEEDS: usize = 3;
+/// Fewest units for which an interval is given.
+const MIN_UNITS: usize = 3;
 /// The two-sided 97.5 % quantile of the standard normal distribution.
 const Z: f64 = 1.959_963_984_540_054;
 
@@ -19,33 +24,33 @@ const Z: f64 = 1.959_963_984_540_054;
 pub struct Estimate {
     /// The mean; `None` if no value is defined.
     pub mean: Option<f64>,
-    /// The lower end of the 95 % interval; `None` for fewer than three seeds.
+    /// The lower end of the 95 % interval; `None` for fewer than three units.
     pub low: Option<f64>,
-    /// The upper end of the 95 % interval; `None` for fewer than three seeds.
+    /// The upper end of the 95 % interval; `None` for fewer than three units.
     pub high: Option<f64>,
-    /// Number of seeds in which the value is defined, over which the mean is taken.
+    /// Number of units in which the value is defined, over which the mean is taken.
     pub n: usize,
 }
 
-/// The mean over seeds with its 95 % percentile bootstrap interval.
+/// The mean over units, such as training seeds, with its 95 % percentile bootstrap interval.
 ///
-/// Seeds in which the value is undefined are left out, and [`Estimate::n`] says how many remain. The interval runs from
+/// Units in which the value is undefined are left out, and [`Estimate::n`] says how many remain. The interval runs from
 /// the 2.5 % to the 97.5 % quantile of the means of 10 000 resamples (Efron, 1979), drawn with a fixed random stream:
 /// equal values, in equal order, give equal bytes.
 ///
 /// ```
-/// use headway_experiments::stats::over_seeds;
+/// use headway_experiments::stats::over_units;
 ///
-/// let estimate = over_seeds(&[Some(0.9), Some(1.0), None, Some(1.1)]);
+/// let estimate = over_units(&[Some(0.9), Some(1.0), None, Some(1.1)]);
 /// assert_eq!(estimate.n, 3);
 /// assert!((estimate.mean.unwrap() - 1.0).abs() < 1e-12);
 /// assert!((estimate.low.unwrap() - 0.9).abs() < 1e-12 && (estimate.high.unwrap() - 1.1).abs() < 1e-12);
-/// assert_eq!(over_seeds(&[Some(0.9), Some(1.0)]).low, None);
+/// assert_eq!(over_units(&[Some(0.9), Some(1.0)]).low, None);
 /// ```
-pub fn over_seeds(values: &[Option<f64>]) -> Estimate {
+pub fn over_units(values: &[Option<f64>]) -> Estimate {
     let defined: Vec<f64> = values.iter().copied().flatten().collect();
     let n = defined.len();
-    let interval = (n >= MIN_SEEDS).then(|| bootstrap_interval(&defined));
+    let interval = (n >= MIN_UNITS).then(|| bootstrap_interval(&defined));
     Estimate {
         mean: (n > 0).then(|| mean(&defined)),
         low: interval.map(|(low, _)| low),
@@ -65,14 +70,15 @@ pub fn over_seeds(values: &[Option<f64>]) -> Estimate {
 /// assert!((high - 0.2775).abs() < 1e-4);
 /// ```
 pub fn wilson(successes: usize, n: usize) -> Option<(f64, f64)> {
-    if n == 0 {
-        return None;
-    }
-    let (p, n) = (successes as f64 / n as f64, n as f64);
+    (n > 0).then(|| wilson_of(successes as f64 / n as f64, n as f64))
+}
+
+/// That of a share `p` of `n` trials, which need be no whole number.
+fn wilson_of(p: f64, n: f64) -> (f64, f64) {
     let centre = (p + Z * Z / (2.0 * n)) / (1.0 + Z * Z / n);
     let half = Z / (1.0 + Z * Z / n) * (p * (1.0 - p) / n + Z * Z / (4.0 * n * n)).sqrt();
     // The interval holds the rate; rounding must not say otherwise where the two meet, at 0 and 1.
-    Some(((centre - half).clamp(0.0, p), (centre + half).clamp(p, 1.0)))
+    ((centre - half).clamp(0.0, p), (centre + half).clamp(p, 1.0))
 }
 
 fn mean(values: &[f64]) -> f64 {
@@ -123,29 +129,29 @@ mod tests {
     #[test]
     fn undefined_values_and_few_seeds() {
         let none = Estimate { mean: None, low: None, high: None, n: 0 };
-        assert_eq!(over_seeds(&[]), none);
-        assert_eq!(over_seeds(&[None, None, None]), none);
-        assert_eq!(over_seeds(&some(&[1.0, 2.0])), Estimate { mean: Some(1.5), n: 2, ..none });
-        assert_eq!(over_seeds(&[Some(1.0), None, Some(2.0)]), Estimate { mean: Some(1.5), n: 2, ..none });
+        assert_eq!(over_units(&[]), none);
+        assert_eq!(over_units(&[None, None, None]), none);
+        assert_eq!(over_units(&some(&[1.0, 2.0])), Estimate { mean: Some(1.5), n: 2, ..none });
+        assert_eq!(over_units(&[Some(1.0), None, Some(2.0)]), Estimate { mean: Some(1.5), n: 2, ..none });
     }
 
     #[test]
     fn equal_values_have_an_interval_of_no_width() {
-        let estimate = over_seeds(&some(&[0.25; 5]));
+        let estimate = over_units(&some(&[0.25; 5]));
         assert_eq!(estimate, Estimate { mean: Some(0.25), low: Some(0.25), high: Some(0.25), n: 5 });
     }
 
     #[test]
     fn three_seeds_span_their_range() {
         // Each extreme mean has a share of 1/27 > 2.5 % of the resamples.
-        let estimate = over_seeds(&some(&[2.0, 5.0, 3.0]));
+        let estimate = over_units(&some(&[2.0, 5.0, 3.0]));
         assert_eq!((estimate.low, estimate.high), (Some(2.0), Some(5.0)));
     }
 
     #[test]
     fn agrees_with_the_exact_enumeration() {
         for values in [vec![0.3, 0.9, 0.4], vec![1.16, 1.02, 1.31, 0.98], vec![0.91, 0.985, 0.97, 0.93, 1.0]] {
-            let estimate = over_seeds(&some(&values));
+            let estimate = over_units(&some(&values));
             let (low, high) = exact_interval(&values);
             assert!((estimate.low.unwrap() - low).abs() < 0.003, "{estimate:?} against {low}");
             assert!((estimate.high.unwrap() - high).abs() < 0.003, "{estimate:?} against {high}");
@@ -155,7 +161,7 @@ mod tests {
     #[test]
     fn approaches_the_normal_interval_for_many_seeds() {
         let values: Vec<f64> = (0..400).map(|i| f64::from(i) / 399.0).collect();
-        let estimate = over_seeds(&some(&values));
+        let estimate = over_units(&some(&values));
         let standard_error = (1.0_f64 / 12.0 / 400.0).sqrt();
         assert!((estimate.high.unwrap() - 0.5 - Z * standard_error).abs() < 0.1 * standard_error);
         assert!((estimate.low.unwrap() - 0.5 + Z * standard_error).abs() < 0.1 * standard_error);
@@ -164,7 +170,7 @@ mod tests {
     #[test]
     fn the_same_every_time() {
         let values = some(&[0.1, 0.5, 0.2, 0.9]);
-        assert_eq!(over_seeds(&values), over_seeds(&values));
+        assert_eq!(over_units(&values), over_units(&values));
     }
 
     #[test]

@@ -101,7 +101,8 @@ fn a_classical_driver_by_the_protocol() {
     assert_ne!(one, other_seed);
     let report: Value = serde_json::from_str(&one).unwrap();
     let keys = |value: &Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
-    assert_eq!(keys(&report), ["overall", "worlds"]);
+    assert_eq!(keys(&report), ["conditions", "deterministic", "over_worlds", "overall", "references", "worlds"]);
+    assert_eq!((&report["deterministic"], &report["over_worlds"]), (&false.into(), &Value::Null));
     let mut expected =
         ["collision", "mean_time", "runs", "score_2022", "score_2023", "success", "timeout", "world"].to_vec();
     for world in report["worlds"].as_array().unwrap() {
@@ -130,15 +131,85 @@ fn a_classical_driver_by_the_protocol() {
 #[test]
 fn a_table_says_what_it_rests_on() {
     let bench = Bench::new();
-    let table = bench.succeed(&with("pure_pursuit", &["--runs", "2"]));
-    for part in ["world_1     2      100.0", "The simulator is Headway's, not Gazebo.", "No path file for world_2:"] {
+    let random = [
+        "--set",
+        "lidar.noise=0.02",
+        "--set",
+        "policy.desired_linear_vel=0.4",
+        "--set",
+        "vehicle.actuation.latency=0.1",
+    ];
+    let table = bench.succeed(&with("pure_pursuit", &[&["--runs", "2", "--seed", "7"], &random[..]].concat()));
+    for part in [
+        "world_1         2      100.0",
+        "driver       pure_pursuit, but desired_linear_vel = 0.4\n",
+        "shield       none\n",
+        "a command every 0.05 s: jackal, but actuation.latency = 0.1, control_period = 0.05\n",
+        "actuation    latency 0.1 s,",
+        "lidar        720 beams over 270 deg, 0.1 to 10 m, noise 0.02 m",
+        "route        planned over what the scans have shown, but costmap.footprint",
+        "runs         2 in each world, seed 7\n",
+        "simulator    Headway's, not Gazebo\n",
+        "OT from      no path file for world_2:",
+    ] {
         assert!(table.contains(part), "{part} is missing in\n{table}");
     }
-    assert!(table.contains("Nothing in these conditions is random"), "{table}");
-    let random = bench.succeed(&with("pure_pursuit", &["--runs", "2", "--set", "lidar.noise=0.02"]));
-    assert!(!random.contains("Nothing in these conditions is random"), "{random}");
+    let shielded = bench.succeed(&with("pure_pursuit", &["--runs", "1", "--shield", "--world", "world_1"]));
+    assert!(shielded.contains("shield       margin 0.05 m"), "{shielded}");
+    assert!(shielded.contains("OT from      path files\n"), "{shielded}");
+}
+
+#[test]
+fn where_nothing_is_random_one_run_stands_for_all() {
+    let bench = Bench::new();
+    let run = |args: &[&str]| {
+        let output = bench.evaluate(&with("pure_pursuit", args));
+        [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap())
+    };
+    let [table, errors] = run(&["--runs", "5"]);
+    assert!(table.contains("world_1         1      100.0"), "{table}");
+    assert!(table.contains("runs         1 in each world: nothing here is random"), "{table}");
+    assert!(errors.contains("--runs 5: one run in each world"), "{errors}");
+    let [by_default, errors] = run(&[]);
+    assert!(by_default == table && !errors.contains("--runs"), "{errors}");
+    let report: Value = serde_json::from_str(&run(&["--runs", "5", "--format", "json"])[0]).unwrap();
+    assert_eq!((&report["deterministic"], &report["conditions"]["runs"]), (&true.into(), &1.into()));
+    assert_eq!((&report["worlds"][0]["runs"], &report["overall"]["runs"]), (&1.into(), &2.into()));
     // The worlds' parent will do, too.
-    assert_eq!(table, bench.succeed(&["pure_pursuit", "--protocol", "barn", "--worlds", ".", "--runs", "2"]));
+    assert_eq!(table, bench.succeed(&["pure_pursuit", "--protocol", "barn", "--worlds", "."]));
+}
+
+#[test]
+fn json_holds_conditions_and_references() {
+    let bench = Bench::new();
+    bench.write_world("world_5", &[]);
+    let args = ["--runs", "2", "--set", "vehicle.actuation.noise=0.1", "--shield", "--format", "json"];
+    let report: Value = serde_json::from_str(&bench.succeed(&with("dwa", &args))).unwrap();
+    let conditions = &report["conditions"];
+    assert_eq!((&conditions["driver"]["type"], &conditions["driver"]["name"]), (&"driver".into(), &"dwa".into()));
+    assert_eq!(conditions["driver"]["changed"]["escape"], "always");
+    assert_eq!(
+        (&conditions["vehicle"]["preset"], &conditions["vehicle"]["max_speed"]),
+        (&"jackal".into(), &2.0.into())
+    );
+    assert_eq!(conditions["vehicle"]["changed"]["actuation.noise"], 0.1);
+    assert_eq!((&conditions["lidar"]["n_beams"], &conditions["route"]["type"]), (&720.into(), &"scans".into()));
+    assert_eq!((&conditions["runs"], &conditions["shield"]["margin"]), (&2.into(), &0.05.into()));
+    let [first, second] = [0, 1].map(|index| &report["references"][index]);
+    assert_eq!((&first["world"], &first["source"]), (&"world_1".into(), &"file".into()));
+    assert!(first["file"].as_str().unwrap().ends_with("paths/path_1.npy"));
+    assert_eq!((&second["source"], &second["file"]), (&"planned".into(), &Value::Null));
+    // 10 m straight ahead, and a little around a post: at 2 m/s.
+    for (reference, most) in [(first, 5.1), (second, 5.4)] {
+        let time = reference["optimal_time"].as_f64().unwrap();
+        assert!((5.0..most).contains(&time), "{reference}");
+        assert_eq!(reference["reference_length"].as_f64().unwrap(), 2.0 * time);
+    }
+    // Three worlds: an interval with the world as the unit.
+    let (over, overall) = (&report["over_worlds"], &report["overall"]);
+    assert_eq!((&over["n_worlds"], &over["score_2023"]["n"]), (&3.into(), &3.into()));
+    assert!(over["success"]["low"].as_f64() <= overall["success_low"].as_f64());
+    assert_eq!(over["success"]["effective_n"], 3.0, "all runs end alike: {over}");
 }
 
 #[test]
@@ -195,7 +266,14 @@ fn what_is_wrong_is_said() {
     refused(&["dwa", "--protocol", "barn", "--worlds", "paths"], "neither it nor a folder `worlds` in it holds");
     refused(&["dwa", "--protocol", "barn"], "--worlds");
     refused(&["dwa"], "--spec");
-    refused(&with("dwa", &["--world", "world_7"]), "--world world_7: the worlds in worlds are world_1, world_2");
+    refused(&with("dwa", &["--world", "world_7"]), "--world world_7: no such world; did you mean `world_");
+    refused(&with("dwa", &["--world", "world_7"]), "? The worlds in worlds are world_1, world_2\n");
+    refused(&with("dwa", &["--cell", "a=b"]), "--cell a=b: cells are those of a spec, which --spec SPEC names");
+    refused(
+        &with("dwa", &["--set", "env.time_limit=50"]),
+        "--set env.time_limit=50: env.time_limit: the protocol fixes it",
+    );
+    refused(&with("dwa", &["--plot", "a.svg", "--plot-episodes", "0,3"]), "--plot-episodes 3: there is no such run");
     refused(
         &with("dwa", &["--set", "policy.max_sped=1"]),
         "--set: policy.max_sped = 1: unknown key `max_sped`; did you",
@@ -207,6 +285,27 @@ fn what_is_wrong_is_said() {
     fs::remove_file(bench.path("paths/path_2.npy")).unwrap();
     bench.write_world("world_3", &[[-2.0, 3.0]].map(|[x, y]| [x, y + 0.4]));
     refused(&with("dwa", &[]), "world_3.world");
+    // Walled off, and no path file: there is nothing to measure by. Nothing has been driven by then.
+    let wall: Vec<[f64; 2]> = (0..=18).map(|k| [-6.0 + 0.3 + 0.41 * f64::from(k), 8.0]).collect();
+    bench.write_world("world_3", &wall);
+    let errors = bench.fail(&with("dwa", &[]));
+    assert!(errors.starts_with("error: worlds/world_3.world: no way from (-2, 3) to (-2, 13)"), "{errors}");
+}
+
+#[test]
+fn a_policy_brings_what_it_was_trained_with() {
+    let bench = Bench::new();
+    bench.write_policy(VehicleSpec { max_acceleration: 2.0, ..VehicleSpec::default() });
+    let of = |more: &[&str]| {
+        with("straight.safetensors", &[&["--world", "world_1", "--format", "json"], more].concat()).join(" ")
+    };
+    let run = |more: &[&str]| bench.evaluate(&of(more).split(' ').collect::<Vec<_>>());
+    let report: Value = serde_json::from_slice(&run(&[]).stdout).unwrap();
+    let driver = &report["conditions"]["driver"];
+    assert_eq!((&driver["type"], &driver["file"]), (&"policy".into(), &"straight.safetensors".into()));
+    fs::write(bench.path("spec.toml"), "[evaluate]\nn_episodes = 5\n").unwrap();
+    let errors = run(&["--spec", "spec.toml", "--set", "env.route.type=none"]).stderr;
+    assert!(String::from_utf8(errors).unwrap().contains("env.route.type: the policy file brings it"));
 }
 
 #[test]

@@ -138,7 +138,15 @@ Examples:
   experiments evaluate policy.safetensors --spec specs/quick.toml --episodes 20 --seed 7 --plot drives.svg --plot-episodes 0,1,2
   experiments evaluate dwa --spec specs/quick.toml --set policy.max_speed=1.0
   experiments evaluate dwa --protocol barn --worlds barn/worlds
-  experiments evaluate policy.safetensors --protocol barn --worlds barn/worlds --world world_3 --plot drive.svg")]
+  experiments evaluate policy.safetensors --protocol barn --worlds barn/worlds --world world_3 --plot drive.svg
+
+--format json prints a list of objects, one per world; with --protocol, one object:
+  worlds         the table's rows: rates and scores as shares in [0, 1], times in seconds
+  overall        the same of all runs, and 95 % Wilson intervals as if they were independent
+  over_worlds    95 % intervals with the world as the unit; null for fewer than three worlds
+  references     of each world: reference_length (m), optimal_time (s), source (file or planned), file
+  conditions     driver, shield, vehicle, lidar, odometry, randomize, route, runs, seed
+  deterministic  whether nothing was random, so that one run of a world stands for all")]
 pub struct EvaluateArgs {
     /// The policy file that a run wrote; or a classical driver: dwa, pure_pursuit, plain_pursuit, vfh.
     #[arg(value_name = "POLICY")]
@@ -152,7 +160,7 @@ pub struct EvaluateArgs {
     /// The folder of the benchmark's world files; with reference paths in DIR/../paths or DIR/paths.
     #[arg(long, value_name = "DIR", requires = "protocol")]
     pub worlds: Option<PathBuf>,
-    /// Runs in each of these worlds [default: 10].
+    /// Runs in each of these worlds [default: 10]; one where nothing is random.
     #[arg(long, value_name = "N", requires = "protocol")]
     pub runs: Option<NonZeroUsize>,
     /// How many of these runs are made at once [default: the number of cores].
@@ -177,10 +185,11 @@ pub struct EvaluateArgs {
     /// The evaluation world to drive in, by its name [default: all of them].
     #[arg(long, value_name = "NAME")]
     pub world: Option<String>,
-    /// Also draw episodes of the first of these worlds: the path coloured by speed, and the speed over time.
+    /// Also draw episodes of the first of these worlds: the path coloured by speed, what moves in orange, and
+    /// the speed over time.
     #[arg(long, value_name = "OUT.svg")]
     pub plot: Option<PathBuf>,
-    /// Which episodes to draw, counted from 0; several are drawn side by side, without speed over time.
+    /// Which episodes, or runs, to draw, counted from 0; several are drawn side by side, without speed over time.
     #[arg(long, value_name = "K[,K]...", value_delimiter = ',', default_value = "0", requires = "plot")]
     pub plot_episodes: Vec<usize>,
     #[arg(long = "set", value_name = "PATH=VALUE", help = SET_HELP, long_help = SET_LONG_HELP)]
@@ -216,6 +225,6 @@ pub enum Protocol {
 pub enum EvaluateFormat {
     /// A table for people.
     Table,
-    /// JSON, a list of objects: one per world.
+    /// JSON; see below.
     Json,
 }

@@ -6,6 +6,7 @@ use std::num::NonZeroUsize;
 use std::thread::available_parallelism;
 
 use super::args::CheckArgs;
+use super::left_out;
 use super::print;
 use super::speed::{self, Cost};
 use crate::Error;
@@ -18,6 +19,10 @@ use crate::spec::{Cell, Grid, RunSpec};
 pub fn execute(args: &CheckArgs, out: &mut dyn Write) -> Result<(), Error> {
     let grid = Grid::load(&args.spec, &args.set)?;
     print(out, &describe(&grid))?;
+    let left_out = left_out::in_words(&grid)?;
+    if !left_out.is_empty() {
+        print(out, &format!("\n{left_out}"))?;
+    }
     let n_cores = available_parallelism().map_or(1, NonZeroUsize::get);
     print(out, &cost(&speed::cost(&grid)?, grid.n_runs(), n_cores))
 }

@@ -15,7 +15,7 @@ use crate::candidate::Candidate;
 use crate::evaluate::ScenarioSet;
 use crate::plot::{self, Trajectory};
 use crate::report;
-use crate::spec::{Assignment, EvaluateWorld, Grid, RunSpec};
+use crate::spec::{Assignment, EvaluateWorld, Grid, RunSpec, did_you_mean};
 
 /// Drives a policy, or a classical driver, through the evaluation worlds of a spec and prints what came of it; may draw an
 /// episode.
@@ -37,7 +37,7 @@ pub fn execute(args: &EvaluateArgs, out: &mut dyn Write) -> Result<(), Error> {
     let cell = cell::choose(&grid, asked.policy(), args)?;
     args.plot.as_deref().map_or(Ok(()), check_folder)?;
     let spec = &cell.spec;
-    let candidate = asked.candidate(spec);
+    let candidate = asked.candidate(spec, &args.policy);
     let mut results = Vec::new();
     let worlds = chosen_worlds(args, spec)?;
     let set_up = |world: &EvaluateWorld| {
@@ -113,10 +113,10 @@ impl Asked {
     }
 
     /// Who drives under a spec that was made with these assignments.
-    pub(super) fn candidate(self, spec: &RunSpec) -> Candidate {
+    pub(super) fn candidate(self, spec: &RunSpec, file: &Path) -> Candidate {
         let candidate = match self {
             Self::Driver(driver) => Candidate::driver_of(spec.policy.driver().unwrap_or(*driver)),
-            Self::Policy(policy) => Candidate::policy(policy),
+            Self::Policy(policy) => Candidate::policy_of(policy, file),
         };
         candidate.shielded(spec.shield())
     }
@@ -157,8 +157,16 @@ fn chosen_worlds<'a>(args: &EvaluateArgs, spec: &'a RunSpec) -> Result<Vec<&'a E
     let Some(name) = &args.world else {
         return Ok(worlds.iter().collect());
     };
-    let known: Vec<&str> = worlds.iter().map(|world| world.name.as_str()).collect();
+    let names: Vec<String> = worlds.iter().map(|world| world.name.clone()).collect();
     let chosen = worlds.iter().find(|world| world.name == *name);
-    let unknown = || Error::Input(format!("--world {name}: the spec's evaluation worlds are {}", known.join(", ")));
-    Ok(vec![chosen.ok_or_else(unknown)?])
+    Ok(vec![chosen.ok_or_else(|| unknown_world(name, "The spec's evaluation worlds", &names))?])
+}
+
+/// The refusal of a world that is not there; `what` are those that are.
+pub(super) fn unknown_world(name: &str, what: &str, names: &[String]) -> Error {
+    /// Names that are listed.
+    const N_TOLD: usize = 12;
+    let more = if names.len() > N_TOLD { ", ..." } else { "" };
+    let known = names[..names.len().min(N_TOLD)].join(", ");
+    Error::Input(format!("--world {name}: no such world{}{what} are {known}{more}", did_you_mean(name, names)))
 }

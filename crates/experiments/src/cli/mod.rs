@@ -4,6 +4,8 @@ pub mod args;
 mod cell;
 pub mod check;
 pub mod evaluate;
+mod fixed;
+mod left_out;
 pub mod list;
 mod protocol;
 pub mod report;

@@ -6,8 +6,8 @@ use std::path::Path;
 use std::thread::available_parallelism;
 
 use super::args::RunArgs;
-use super::print;
 use super::work::{self, Task};
+use super::{left_out, print};
 use crate::Error;
 use crate::plan::Plan;
 use crate::report;
@@ -23,6 +23,10 @@ pub fn execute(args: &RunArgs, out: &mut dyn Write) -> Result<(), Error> {
     let folder = args.out.clone().unwrap_or_else(|| Path::new("results").join(&grid.name));
     let plan = Plan::new(&grid)?;
     plan.check_against(&folder)?; // before anything is created
+    let left_out = left_out::in_words(&grid)?;
+    if !left_out.is_empty() {
+        note(left_out.trim_end());
+    }
     let store = Store::open(&folder)?;
     plan.check_against(&folder)?; // now that nobody else writes to it
     note_what_leaves(&folder, &plan.index);

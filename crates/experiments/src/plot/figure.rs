@@ -41,6 +41,7 @@ const CAPTION: f64 = 38.0;
 ///     width: 10.0,
 ///     height: 15.0,
 ///     obstacles: vec![Outline::Disc { x: 5.0, y: 4.0, radius: 0.5 }],
+///     movers: vec![],
 ///     goal: [8.0, 2.0],
 ///     reach_radius: 0.5,
 ///     footprint_radius: 0.25,
@@ -110,7 +111,7 @@ fn summary(trajectory: &Trajectory) -> String {
 mod tests {
     use super::*;
     use crate::episode::Outcome;
-    use crate::plot::{Outline, PathSample};
+    use crate::plot::{Outline, PathSample, Track};
 
     fn drive(outcome: Outcome, n: u32) -> Trajectory {
         let sample = |i| PathSample { t: 0.2 * i, x: 1.0 + 0.3 * i, y: 2.0 + 0.4 * i, yaw: 0.9, speed: 0.1 * i };
@@ -124,6 +125,7 @@ mod tests {
                 Outline::Disc { x: 5.0, y: 4.0, radius: 0.5 },
                 Outline::Polygon { points: vec![[1.0, 8.0], [2.0, 8.0], [1.5, 9.0]] },
             ],
+            movers: vec![],
             goal: [4.0, 6.0],
             reach_radius: 0.5,
             footprint_radius: 0.25,
@@ -140,6 +142,16 @@ mod tests {
         assert!(svg.contains(r#"<circle cx="174" cy="298" r="12" "#), "{svg}");
         assert!(svg.contains(r#"<polygon points="78,202 102,202 90,178" "#));
         assert_eq!(svg.matches("#c1272d").count(), 2, "the cross of a collision");
+    }
+
+    #[test]
+    fn movers_are_drawn_with_their_ways() {
+        let at = |x: f64| Outline::Disc { x, y: 4.0, radius: 0.5 };
+        let track = Track { last: at(7.0), places: vec![[5.0, 4.0], [6.0, 4.0], [7.0, 4.0]], ..Track::new(at(5.0)) };
+        let svg = figure(&Trajectory { obstacles: vec![], movers: vec![track], ..drive(Outcome::Success, 5) });
+        assert!(svg.contains(r##"<polyline points="174,298 198,298 222,298" fill="none" stroke="#d9730d""##), "{svg}");
+        assert!(svg.contains(r#"<circle cx="174" cy="298" r="12" fill="none""#), "the start is an open outline: {svg}");
+        assert!(svg.contains(r##"<circle cx="222" cy="298" r="12" fill="#d9730d""##), "{svg}");
     }
 
     #[test]

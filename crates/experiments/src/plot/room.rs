@@ -5,11 +5,14 @@ use std::f64::consts::PI;
 use super::colour::coloured_line;
 use super::scale::Scale;
 use super::svg::{Anchor, Frame, INK, Svg};
-use super::{Outline, PathSample, Trajectory};
+use super::{Outline, PathSample, Track, Trajectory};
 use crate::episode::Outcome;
 
 const GOAL: &str = "#2a7f3f";
 const HIT: &str = "#c1272d";
+const STILL: &str = r##"fill="#c9ccd1" stroke="#7d828a" stroke-width="1""##;
+/// An orange that no speed has.
+const MOVER: &str = "#d9730d";
 
 /// Whether the room's sides are labelled in metres.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,7 +53,10 @@ pub(super) fn draw(svg: &mut Svg, frame: Frame, trajectory: &Trajectory, top_spe
     svg.raw(&format!(r#"<svg x="{x}" y="{y}" width="{width}" height="{height}" viewBox="{x} {y} {width} {height}">"#));
     svg.rect(frame, r##"fill="#fbfbfb""##);
     for obstacle in &trajectory.obstacles {
-        draw_obstacle(svg, &view, obstacle);
+        draw_outline(svg, &view, obstacle, STILL);
+    }
+    for mover in &trajectory.movers {
+        draw_mover(svg, &view, mover);
     }
     draw_goal(svg, &view, trajectory);
     draw_drive(svg, &view, trajectory, top_speed);
@@ -61,8 +67,15 @@ pub(super) fn draw(svg: &mut Svg, frame: Frame, trajectory: &Trajectory, top_spe
     }
 }
 
-fn draw_obstacle(svg: &mut Svg, view: &View, outline: &Outline) {
-    let style = r##"fill="#c9ccd1" stroke="#7d828a" stroke-width="1""##;
+/// Its way, where it was when the drive began, dashed, and where it was when it ended.
+fn draw_mover(svg: &mut Svg, view: &View, Track { first, last, places }: &Track) {
+    let way: Vec<_> = places.iter().map(|place| view.point(*place)).collect();
+    svg.polyline(&way, &format!(r#"fill="none" stroke="{MOVER}" stroke-opacity="0.6" stroke-width="1.6""#));
+    draw_outline(svg, view, first, &format!(r#"fill="none" stroke="{MOVER}" stroke-width="1" stroke-dasharray="2 2""#));
+    draw_outline(svg, view, last, &format!(r#"fill="{MOVER}" fill-opacity="0.45" stroke="{MOVER}" stroke-width="1""#));
+}
+
+fn draw_outline(svg: &mut Svg, view: &View, outline: &Outline, style: &str) {
     match outline {
         Outline::Disc { x, y, radius } => {
             svg.circle(view.point([*x, *y]), radius * view.pixels_per_metre, style);

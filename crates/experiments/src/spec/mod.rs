@@ -72,3 +72,4 @@ pub use head::{Axis, Seeds};
 pub use path::KeyPath;
 pub use policy::{PolicySpec, ShieldOption};
 pub use run::{EvaluateSpec, EvaluateWorld, RunSpec, Stage, TrainSpec};
+pub(crate) use suggest::did_you_mean;

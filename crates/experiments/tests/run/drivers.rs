@@ -103,3 +103,38 @@ world = { type = "files", paths = ["yard.world"] }
     let errors = bench.fail(&["check", "files.toml"], 2);
     assert!(errors.contains("files.toml:3: policy.path"), "{errors}");
 }
+
+#[test]
+fn what_world_files_leave_out_is_told() {
+    let bench = Bench::of(
+        r#"
+name = "yard"
+policy = { type = "pure_pursuit" }
+[evaluate]
+n_episodes = 1
+[[evaluate.worlds]]
+name = "yard"
+time_limit = 30.0
+world = { type = "files", paths = ["yard.world"], read = { sdf = { unsupported = "ignore" } } }
+"#,
+    );
+    let model = |name: &str, geometry: &str| {
+        format!(
+            "<model name='{name}'><pose>2 3 0 0 0 0</pose><link name='l'><collision name='c'><geometry>{geometry}</geometry>\
+             </collision></link></model>"
+        )
+    };
+    let post = model("post", "<cylinder><radius>0.4</radius><length>3</length></cylinder>");
+    let house = model("house", "<mesh><uri>house.dae</uri></mesh>");
+    let world = |models: &str| format!("<sdf version='1.6'><world name='yard'>{models}</world></sdf>");
+    fs::write(bench.path("yard.world"), world(&(post.clone() + &house))).unwrap();
+    let told = "left out of the world files, as `unsupported = \"ignore\"` has it: 1\n  \
+                yard.world: model 'house', link 'l', collision 'c': mesh 'house.dae'\n";
+    let check = bench.succeed(&["check", "spec.toml"]);
+    assert!(check.contains(told), "{check}");
+    let run = bench.experiments(&["run", "spec.toml", "--out", "out"]);
+    let errors = String::from_utf8_lossy(&run.stderr);
+    assert!(run.status.success() && errors.contains(told), "{errors}");
+    fs::write(bench.path("yard.world"), world(&post)).unwrap();
+    assert!(!bench.succeed(&["check", "spec.toml"]).contains("left out"));
+}

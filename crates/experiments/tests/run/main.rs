@@ -195,7 +195,10 @@ fn a_policy_is_refused_by_another_robot_and_for_an_unknown_world() {
         refused(&["--set", "lidar.n_beams=24"]),
         "error: this policy was made for another robot: lidar.n_beams is 36 in the policy, 24 here\n"
     );
-    assert_eq!(refused(&["--world", "30x30"]), "error: --world 30x30: the spec's evaluation worlds are 10x15, 25x25\n");
+    assert_eq!(
+        refused(&["--world", "30x30"]),
+        "error: --world 30x30: no such world. The spec's evaluation worlds are 10x15, 25x25\n"
+    );
     assert!(refused(&["--episodes", "5", "--plot", "x.svg", "--plot-episodes", "5"]).contains("there is no episode 5"));
 }
 

@@ -4,26 +4,30 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use headway_planning::{GridMap, plan};
-use headway_sim::{Footprint, Point, files};
+use headway_sim::{Footprint, Point, World};
+use serde::Serialize;
 
+use super::score::REFERENCE_SPEED;
 use super::{GOAL, START};
 use crate::Error;
 
 /// The shortest way from the start to the goal.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Reference {
-    /// Its length, metres, from a path file.
-    Published(f64),
-    /// There is no path file: a shortest way has to be planned instead.
-    Missing,
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reference {
+    /// Its length, metres.
+    pub length: f64,
+    /// Where that came from.
+    pub source: Source,
 }
 
 /// Where the length of a reference came from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Origin {
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Source {
     /// A path file.
     File,
-    /// A path of our own.
+    /// A path of our own: the shortest way over the true map, on a grid of 5 cm, for the largest disc within the footprint, pulled
+    /// straight.
     Planned,
 }
 
@@ -35,37 +39,42 @@ const MAX_BYTES: u64 = 32 << 20;
 const CELL: f64 = 0.05;
 
 impl Reference {
-    /// That of a world by its name, in `../paths` or `paths` beside or in one of two folders.
-    pub(super) fn find(world: &str, given: &Path, of_world: &Path) -> Result<Self, Error> {
+    /// The path file of a world by its name, in `../paths` or `paths` beside or in one of two folders.
+    pub(super) fn file(world: &str, folders: [&Path; 2]) -> Option<PathBuf> {
         let digits = world.trim_start_matches(|c: char| !c.is_ascii_digit());
         if digits.is_empty() || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
-            return Ok(Self::Missing);
+            return None;
         }
         let name = format!("path_{digits}.npy");
-        let folders = [given, of_world].into_iter().flat_map(|folder| [folder.join("../paths"), folder.join("paths")]);
-        let found = folders.map(|folder: PathBuf| folder.join(&name)).find(|path| path.is_file());
-        found.map_or(Ok(Self::Missing), |path| Ok(Self::Published(length_of_cells(&read_cells(&path)?))))
+        let mut places = folders.into_iter().flat_map(|folder| [folder.join("../paths"), folder.join("paths")]);
+        places.find_map(|folder| Some(folder.join(&name)).filter(|path| path.is_file()))
     }
 
-    /// The length, metres, and where it came from. A missing one is planned for the largest disc within the footprint, over the
-    /// true map, and pulled straight.
+    /// That of a path file.
     ///
     /// # Errors
-    /// If the world cannot be read, or no such disc gets through.
-    pub(super) fn length(&self, world: &Path, footprint: &Footprint) -> Result<(f64, Origin), Error> {
-        if let Self::Published(length) = self {
-            return Ok((*length, Origin::File));
-        }
-        let file = files::read(world, &files::FileSpec::default()).map_err(|e| Error::Input(e.to_string()))?;
-        let map = GridMap::from_world(&file.world, CELL, footprint.inradius());
-        let route = plan(&map, &Point::new(START[0], START[1]), &Point::from(GOAL)).ok_or_else(|| {
-            Error::Input(format!(
-                "{}: no way from (-2, 3) to (-2, 13) for a disc of radius {:.3} m, and no path file to measure by",
-                world.display(),
-                footprint.inradius()
-            ))
-        })?;
-        Ok((route.length(), Origin::Planned))
+    /// If the file cannot be read or holds no path.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        Ok(Self { length: length_of_cells(&read_cells(path)?), source: Source::File })
+    }
+
+    /// One of our own: [`Source::Planned`]. `None` if no such disc gets through.
+    #[must_use]
+    pub fn plan(world: &World, footprint: &Footprint) -> Option<Self> {
+        let map = GridMap::from_world(world, CELL, footprint.inradius());
+        let route = plan(&map, &Point::new(START[0], START[1]), &Point::from(GOAL))?;
+        Some(Self { length: route.length(), source: Source::Planned })
+    }
+
+    /// The time of the way at the speed that the protocol assumes, 2 m/s, in seconds: `OT` of the scores.
+    ///
+    /// ```
+    /// use headway_experiments::protocol::barn::{Reference, Source};
+    /// assert_eq!(Reference { length: 10.5, source: Source::File }.optimal_time(), 5.25);
+    /// ```
+    #[must_use]
+    pub fn optimal_time(&self) -> f64 {
+        self.length / REFERENCE_SPEED
     }
 }
 
@@ -141,10 +150,11 @@ mod tests {
         assert_eq!(read_cells(&path).unwrap(), [[1, 2], [3, 4], [5, 6]]);
         let length = length_of_cells(&[[1, 2], [3, 4], [5, 6]]);
         for given in [&worlds, folder.path()] {
-            assert_eq!(Reference::find("world_3", given, &worlds).unwrap(), Reference::Published(length));
+            let found = Reference::file("world_3", [given, &worlds]).unwrap();
+            assert_eq!(Reference::read(&found).unwrap(), Reference { length, source: Source::File });
         }
         for name in ["world_4", "world_33", "yard", "world_3b"] {
-            assert_eq!(Reference::find(name, &worlds, &worlds).unwrap(), Reference::Missing, "{name}");
+            assert_eq!(Reference::file(name, [&worlds, &worlds]), None, "{name}");
         }
     }
 

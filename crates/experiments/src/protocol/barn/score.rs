@@ -4,7 +4,7 @@ use super::Run;
 use crate::episode::Outcome;
 
 /// Speed at which the reference path is thought to be driven, m/s.
-const REFERENCE_SPEED: f64 = 2.0;
+pub(super) const REFERENCE_SPEED: f64 = 2.0;
 
 /// Between which multiples of the optimal time the time of a run counts: the editions of the challenge differ in that.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,25 +16,23 @@ pub enum Clip {
 }
 
 impl Clip {
-    /// The score of a run, in [0, 0.5]: `success * OT / clip(AT, low OT, 8 OT)`, with AT the time that the run took and the optimal
-    /// time `OT = reference length / (2 m/s)`.
+    /// The score of a run, in [0, 0.5]: `success * OT / clip(AT, low OT, 8 OT)`, with AT the time that the run took and
+    /// `OT` the optimal time, seconds: [`Reference::optimal_time`](super::Reference::optimal_time).
     ///
     /// ```
     /// use headway_experiments::episode::Outcome;
     /// use headway_experiments::protocol::barn::{Clip, Run};
-    /// // The way is 10 m, so the optimal time 5 s.
-    /// let score = |clip: Clip, time| clip.score(10.0, &Run { outcome: Outcome::Success, time });
+    /// let score = |clip: Clip, time| clip.score(5.0, &Run { outcome: Outcome::Success, time });
     /// assert_eq!([5.0, 15.0, 30.0, 60.0].map(|time| score(Clip::From2To8, time)), [0.5, 1.0 / 3.0, 1.0 / 6.0, 0.125]);
     /// assert_eq!([5.0, 15.0, 30.0, 60.0].map(|time| score(Clip::From4To8, time)), [0.25, 0.25, 1.0 / 6.0, 0.125]);
-    /// assert_eq!(Clip::From2To8.score(10.0, &Run { outcome: Outcome::Collision, time: 5.0 }), 0.0);
+    /// assert_eq!(Clip::From2To8.score(5.0, &Run { outcome: Outcome::Collision, time: 5.0 }), 0.0);
     /// ```
     #[must_use]
-    pub fn score(self, reference_length: f64, run: &Run) -> f64 {
+    pub fn score(self, optimal: f64, run: &Run) -> f64 {
         let least = match self {
             Self::From4To8 => 4.0,
             Self::From2To8 => 2.0,
         };
-        let optimal = reference_length / REFERENCE_SPEED;
         match run.outcome {
             Outcome::Success => optimal / run.time.clamp(least * optimal, 8.0 * optimal),
             _ => 0.0,

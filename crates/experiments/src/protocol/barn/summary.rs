@@ -1,14 +1,12 @@
 //! What came of all runs.
 
-use std::fmt::Write;
+use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::{Clip, Origin, Run, World};
-use crate::Error;
+use super::{Clip, Conditions, Course, OverWorlds, Run, Source};
 use crate::episode::Outcome;
 use crate::stats::wilson;
-use headway_sim::Footprint;
 
 /// The runs of a world, or of all, in figures; rates are shares in [0, 1], times are in seconds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -46,90 +44,78 @@ pub struct Intervals {
     pub timeout_high: f64,
 }
 
-/// The figures of every world and of all of them.
+/// What the runs of a world are measured by.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Measure {
+    /// The world's name.
+    pub world: String,
+    /// The length of the reference path, metres.
+    pub reference_length: f64,
+    /// `OT` of the scores, seconds.
+    pub optimal_time: f64,
+    /// Where the path came from.
+    pub source: Source,
+    /// Its file, where it came from one.
+    pub file: Option<PathBuf>,
+}
+
+/// The figures of every world and of all of them, and what they rest on.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
     /// World by world.
     pub worlds: Vec<Row>,
     /// All together, every run counting the same.
     pub overall: Row,
-    /// Worlds whose reference was planned for want of a path file.
-    #[serde(skip)]
-    pub planned: Vec<String>,
+    /// How sure the overall figures are for other worlds like these; none for fewer than three worlds.
+    pub over_worlds: Option<OverWorlds>,
+    /// What the runs of each world are measured by.
+    pub references: Vec<Measure>,
+    /// What all was driven under.
+    pub conditions: Conditions,
+    /// Whether nothing was random: then one run of a world stands for all.
+    pub deterministic: bool,
 }
 
-/// A run with the length of its reference, metres.
+/// A run with the optimal time of its world, seconds.
 type Measured = (f64, Run);
 
 impl Report {
-    /// The figures of the runs of each world; `footprint` is that of the vehicle that drove.
-    ///
-    /// # Errors
-    /// If a reference is missing and cannot be planned.
-    pub fn new(worlds: &[World], runs: &[Vec<Run>], footprint: &Footprint) -> Result<Self, Error> {
-        let (mut rows, mut all, mut planned) = (Vec::new(), Vec::new(), Vec::new());
-        for (world, runs) in worlds.iter().zip(runs) {
-            let (length, origin) = world.reference.length(&world.path, footprint)?;
-            if origin == Origin::Planned {
-                planned.push(world.name.clone());
-            }
-            let measured: Vec<Measured> = runs.iter().map(|run| (length, *run)).collect();
-            rows.push(Row::of(&world.name, &measured));
-            all.extend(measured);
+    /// The figures of the runs of each course.
+    #[must_use]
+    pub fn new(courses: &[Course], runs: &[Vec<Run>], conditions: Conditions) -> Self {
+        let measured = |(course, runs): (&Course, &Vec<Run>)| -> Vec<Measured> {
+            runs.iter().map(|run| (course.reference.optimal_time(), *run)).collect()
+        };
+        let by_world: Vec<_> = courses.iter().zip(runs).map(measured).collect();
+        let all = by_world.concat();
+        let rows = courses.iter().zip(&by_world).map(|(course, runs)| Row::of(&course.world.name, runs));
+        let references: Vec<_> = courses.iter().zip(runs).map(|(course, runs)| (course.reference, &runs[..])).collect();
+        Self {
+            worlds: rows.collect(),
+            overall: Row { intervals: Intervals::of(&all), ..Row::of("all", &all) },
+            over_worlds: OverWorlds::of(&references),
+            references: courses.iter().map(Measure::of).collect(),
+            deterministic: conditions.deterministic,
+            conditions,
         }
-        let overall = Row { intervals: Intervals::of(&all), ..Row::of("all", &all) };
-        Ok(Self { worlds: rows, overall, planned })
     }
 
-    /// As JSON: `worlds`, a list of objects, and `overall`, one more. Null stands for the mean time where nothing succeeded.
+    /// As a JSON object of its fields. Null stands for the mean time where nothing succeeded.
     #[must_use]
     pub fn json(&self) -> String {
         serde_json::to_string_pretty(self).expect("numbers and names have a JSON form") + "\n"
     }
+}
 
-    /// As a text table.
-    #[must_use]
-    pub fn table(&self) -> String {
-        let width = self.worlds.iter().map(|row| row.world.chars().count()).max().unwrap_or(0).max("world".len());
-        let mut text = format!(
-            "{:width$}  runs    success  collision    timeout  mean time   score   score\n{:width$}                %          %          %          s    2022    2023\n",
-            "world", ""
-        );
-        let rule = "\u{2500}".repeat(text.lines().map(|line| line.chars().count()).max().unwrap_or(0));
-        let _ = writeln!(text, "{rule}");
-        for row in &self.worlds {
-            row.write(&mut text, width);
+impl Measure {
+    fn of(Course { world, reference, .. }: &Course) -> Self {
+        Self {
+            world: world.name.clone(),
+            reference_length: reference.length,
+            optimal_time: reference.optimal_time(),
+            source: reference.source,
+            file: world.reference.clone(),
         }
-        let _ = writeln!(text, "{rule}");
-        self.overall.write(&mut text, width);
-        if let Some(i) = &self.overall.intervals {
-            let range = |low: f64, high: f64| format!("{:.1}\u{2013}{:.1}", 100.0 * low, 100.0 * high);
-            let _ = writeln!(
-                text,
-                "{:width$}      {:>11}{:>11}{:>11}",
-                "",
-                range(i.success_low, i.success_high),
-                range(i.collision_low, i.collision_high),
-                range(i.timeout_low, i.timeout_high)
-            );
-        }
-        text + &self.legend()
-    }
-
-    fn legend(&self) -> String {
-        let mut text = "mean time: of the successes; scores: OT / clip(AT, 4 OT, 8 OT) for 2022, (2 OT, 8 OT) for 2023, 0 for a failure; \
-                        below all: 95 % Wilson intervals over the runs\n\
-                        The simulator is Headway's, not Gazebo.\n"
-            .to_owned();
-        if !self.planned.is_empty() {
-            let names =
-                if self.planned.len() == self.worlds.len() { "any world".to_owned() } else { self.planned.join(", ") };
-            let _ = writeln!(
-                text,
-                "No path file for {names}: the optimal time is that of our own shortest path, for the largest disc within the footprint."
-            );
-        }
-        text
     }
 }
 
@@ -137,7 +123,7 @@ impl Row {
     fn of(world: &str, runs: &[Measured]) -> Self {
         let n = runs.len().max(1) as f64;
         let share = |outcome: Outcome| runs.iter().filter(|(_, run)| run.outcome == outcome).count() as f64 / n;
-        let mean_score = |clip: Clip| runs.iter().map(|(length, run)| clip.score(*length, run)).sum::<f64>() / n;
+        let mean_score = |clip: Clip| runs.iter().map(|(optimal, run)| clip.score(*optimal, run)).sum::<f64>() / n;
         let times: Vec<f64> =
             runs.iter().filter(|(_, run)| run.outcome == Outcome::Success).map(|(_, run)| run.time).collect();
         Self {
@@ -151,23 +137,6 @@ impl Row {
             score_2023: mean_score(Clip::From2To8),
             intervals: None,
         }
-    }
-
-    fn write(&self, text: &mut String, width: usize) {
-        let percent = |share: f64| format!("{:.1}", 100.0 * share);
-        let time = self.mean_time.map_or_else(|| "-".to_owned(), |time| format!("{time:.2}"));
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            text,
-            "{:width$}  {:>4}{:>11}{:>11}{:>11}{time:>11}  {:.4}  {:.4}",
-            self.world,
-            self.runs,
-            percent(self.success),
-            percent(self.collision),
-            percent(self.timeout),
-            self.score_2022,
-            self.score_2023
-        );
     }
 }
 
@@ -187,7 +156,7 @@ mod tests {
 
     #[test]
     fn figures_by_hand() {
-        let run = |outcome, time| (10.0, Run { outcome, time });
+        let run = |outcome, time| (5.0, Run { outcome, time });
         let runs = [
             run(Outcome::Success, 10.0),
             run(Outcome::Success, 25.0),
