@@ -109,10 +109,10 @@ impl Candidate {
         }
     }
 
-    /// The shield around it in a vehicle, if there is one.
+    /// The shield around it, if there is one.
     #[must_use]
-    pub fn shield(&self, vehicle: &VehicleSpec) -> Option<ShieldSpec> {
-        self.shield.map(|shield| shield.for_vehicle(vehicle))
+    pub fn shield(&self) -> Option<ShieldSpec> {
+        self.shield
     }
 
     /// Replaces in `rules` what a policy brings along: the route that it is shown, what it observes and controls.

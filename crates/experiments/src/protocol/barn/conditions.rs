@@ -57,7 +57,7 @@ impl Conditions {
     pub fn new(candidate: &Candidate, rules: &NavSpec, plan: &Plan) -> Self {
         Self {
             driver: candidate.identity(),
-            shield: candidate.shield(&rules.vehicle),
+            shield: candidate.shield(),
             vehicle: Vehicle::of(&rules.vehicle),
             lidar: rules.lidar.clone(),
             odometry: rules.odometry,
