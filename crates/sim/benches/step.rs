@@ -11,8 +11,8 @@ use std::hint::black_box;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use headway_sim::rand::RngExt;
 use headway_sim::{
-    BarnSpec, Command, CrowdMotion, CrowdSpec, Footprint, Interval, Kinds, Obstacle, Pose, Quantity, RoomSpec, Scenario, Shape,
-    VehicleSpec, VehicleState, World, WorldSpec, stream,
+    BarnSpec, Command, CrowdMotion, CrowdSpec, Footprint, Interval, Kinds, Obstacle, Pose, Quantity, RoomSpec,
+    Scenario, Shape, VehicleSpec, VehicleState, World, WorldSpec, stream,
 };
 use parry2d::bounding_volume::{Aabb, BoundingVolume};
 use parry2d::math::{Pose as ParryPose, Vector};

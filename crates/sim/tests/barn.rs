@@ -7,7 +7,9 @@ fn fingerprint(scenarios: impl Iterator<Item = Scenario>) -> u64 {
     let mix = |hash: u64, bits: u64| (hash ^ bits).wrapping_mul(0x0100_0000_01b3);
     scenarios.fold(0xcbf2_9ce4_8422_2325, |hash, scenario| {
         let posts = scenario.world.static_obstacles();
-        posts.iter().fold(mix(hash, posts.len() as u64), |hash, post| mix(mix(hash, post.x.to_bits()), post.y.to_bits()))
+        posts
+            .iter()
+            .fold(mix(hash, posts.len() as u64), |hash, post| mix(mix(hash, post.x.to_bits()), post.y.to_bits()))
     })
 }
 

@@ -161,7 +161,10 @@ fn bad_numbers_are_named() {
         ("speed", CrowdSpec { speed: Interval::Fixed(f64::NAN), ..base.clone() }),
         ("min_gap", CrowdSpec { min_gap: 0.0, ..base.clone() }),
         ("kinds (their sum)", CrowdSpec { kinds: Kinds { disc: 0.0, ..Kinds::default() }, ..base.clone() }),
-        ("motion.n_points", CrowdSpec { motion: CrowdMotion::Waypoints { n_points: 1, loops: vec![] }, ..base.clone() }),
+        (
+            "motion.n_points",
+            CrowdSpec { motion: CrowdMotion::Waypoints { n_points: 1, loops: vec![] }, ..base.clone() },
+        ),
         ("motion.horizon", CrowdSpec { motion: reciprocal, ..base.clone() }),
     ] {
         assert_eq!(spec.check().unwrap_err().field, field);

@@ -52,10 +52,10 @@ impl CrowdMotion {
             let radii = shapes.iter().skip(i).step_by(loops.len()).map(Shape::circumradius);
             let Some(radius) = radii.reduce(f64::max) else { continue };
             for (k, [from, to]) in legs(points).enumerate() {
-                let is_free =
-                    ground.has_room_around(&from, radius + GAP) && ground.is_free(&from, &to, radius + GAP);
+                let is_free = ground.has_room_around(&from, radius + GAP) && ground.is_free(&from, &to, radius + GAP);
                 if !is_free {
-                    let allowed = format!("a place from which a way free for a radius of {radius:.3} m leads to the next");
+                    let allowed =
+                        format!("a place from which a way free for a radius of {radius:.3} m leads to the next");
                     return Err(FieldError::new(format!("motion.loops.{i}.{k}"), format!("{:?}", points[k]), allowed));
                 }
             }

@@ -114,9 +114,8 @@ impl CrowdSpec {
         for (own, shape) in shapes.iter().enumerate() {
             let radius = shape.circumradius();
             let is_free = |(point, _): &(Point, usize)| {
-                let apart = |(center, other): &(Point, f64)| {
-                    nalgebra::distance(point, center) >= radius + other + self.min_gap
-                };
+                let apart =
+                    |(center, other): &(Point, f64)| nalgebra::distance(point, center) >= radius + other + self.min_gap;
                 taken.iter().all(apart) && world.has_room_around(point, radius + self.min_gap)
             };
             let mut draws = (0..TRIES).map(|n_tried| match self.motion.loop_of(own) {

@@ -93,13 +93,7 @@ impl<'a, 'i: 'a> Reader<'_, 'a, 'i> {
         Ok(())
     }
 
-    fn model(
-        &mut self,
-        node: Node<'a, 'i>,
-        scope: Node<'a, 'i>,
-        outer: &Frame,
-        depth: usize,
-    ) -> Result<(), FileError> {
+    fn model(&mut self, node: Node<'a, 'i>, scope: Node<'a, 'i>, outer: &Frame, depth: usize) -> Result<(), FileError> {
         if depth == DEEPEST {
             let allowed = format!("at most {DEEPEST} models within each other");
             return Err(refusal(node, FieldError::new("nesting", depth + 1, allowed)));

@@ -81,8 +81,10 @@ impl<'a, 'i: 'a> Frames<'a, 'i> {
         }
         let within = name.split_once(SEPARATOR).and_then(|(model, rest)| Some((self.element(scope, model)?, rest)));
         let Some((model, name)) = within.filter(|(model, _)| model.has_tag_name("model")) else {
-            let allowed =
-                format!("{}, or a model, link, joint or frame beside it, or within a model there (a::b)", own_name(scope));
+            let allowed = format!(
+                "{}, or a model, link, joint or frame beside it, or within a model there (a::b)",
+                own_name(scope)
+            );
             return Err(refusal(user, FieldError::new(field, quoted(name), allowed)));
         };
         let inner = self.find(model, Reference { name, ..reference }, depth + 1)?;
@@ -121,7 +123,8 @@ fn outer_name<'a, 'i: 'a>(
     node: Node<'a, 'i>,
     pose: Option<Node<'a, 'i>>,
 ) -> Result<Option<Reference<'a, 'a, 'i>>, FileError> {
-    let relative_to = pose.and_then(|pose| attribute(pose, "relative_to")).map(|found| Reference { user: node, ..found });
+    let relative_to =
+        pose.and_then(|pose| attribute(pose, "relative_to")).map(|found| Reference { user: node, ..found });
     if relative_to.is_some() || !node.has_tag_name("joint") {
         let attached_to = attribute(node, "attached_to").filter(|_| node.has_tag_name("frame"));
         return Ok(relative_to.or(attached_to));
