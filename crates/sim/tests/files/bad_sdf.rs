@@ -100,7 +100,7 @@ fn each_fault_is_named() {
         ),
         (
             posed("<pose relative_to='m::link'>0 0 0 0 0 0</pose>"),
-            "line 1, model 'm': relative_to = 'm::link': must be world, or a model, link, joint or frame beside it, or within a model there (a::b)".into(),
+            "line 1, model 'm': relative_to = 'm::link': must be no circle, and no chain of more than 64 frames".into(),
         ),
         (
             document(

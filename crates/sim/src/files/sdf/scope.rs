@@ -29,8 +29,8 @@ pub(super) struct Frames<'a, 'i> {
 
 /// A name, and who refers to it by which attribute or element.
 #[derive(Clone, Copy)]
-struct Reference<'n, 'a, 'i> {
-    name: &'n str,
+struct Reference<'a, 'i> {
+    name: &'a str,
     field: &'static str,
     user: Node<'a, 'i>,
 }
@@ -55,39 +55,46 @@ impl<'a, 'i: 'a> Frames<'a, 'i> {
             return Err(refusal(node, FieldError::new("pose frame", quoted(frame), allowed)));
         }
         let outer = match outer_name(node, pose)? {
-            Some(reference) => self.find(scope, reference, depth)?,
+            Some(reference) => self.find(scope, reference.name, reference, depth)?,
             None => *parent,
         };
         let placed = outer.then(&own);
         // The pose of a model is that of the frame by which it is placed.
         match attribute(node, "placement_frame").filter(|_| node.has_tag_name("model")) {
-            Some(reference) => Ok(placed.then(&self.find(node, reference, depth)?.inverse())),
+            Some(reference) => Ok(placed.then(&self.find(node, reference.name, reference, depth)?.inverse())),
             None => Ok(placed),
         }
     }
 
-    /// The frame that a name of a scope refers to, seen from the scope.
-    fn find(&self, scope: Node<'a, 'i>, reference: Reference<'_, 'a, 'i>, depth: usize) -> Result<Frame, FileError> {
-        let Reference { name, field, user } = reference;
+    /// The frame that a name of a scope, the whole or the end of a reference's, stands for, seen from the scope.
+    fn find(
+        &self,
+        scope: Node<'a, 'i>,
+        name: &str,
+        reference: Reference<'a, 'i>,
+        depth: usize,
+    ) -> Result<Frame, FileError> {
+        let refuse = |allowed: String| {
+            let Reference { name, field, user } = reference;
+            Err(refusal(user, FieldError::new(field, quoted(name), allowed)))
+        };
         if name == own_name(scope) {
             return Ok(Frame::identity());
         }
         if depth >= LONGEST_CHAIN {
-            let allowed = format!("no circle, and no chain of more than {LONGEST_CHAIN} frames");
-            return Err(refusal(user, FieldError::new(field, quoted(name), allowed)));
+            return refuse(format!("no circle, and no chain of more than {LONGEST_CHAIN} frames"));
         }
         if let Some(node) = self.element(scope, name) {
             return self.known(scope, node, depth + 1);
         }
         let within = name.split_once(SEPARATOR).and_then(|(model, rest)| Some((self.element(scope, model)?, rest)));
-        let Some((model, name)) = within.filter(|(model, _)| model.has_tag_name("model")) else {
-            let allowed = format!(
-                "{}, or a model, link, joint or frame beside it, or within a model there (a::b)",
-                own_name(scope)
-            );
-            return Err(refusal(user, FieldError::new(field, quoted(name), allowed)));
+        let Some((model, rest)) = within.filter(|(model, _)| model.has_tag_name("model")) else {
+            let own = own_name(scope);
+            return refuse(format!(
+                "{own}, or a model, link, joint or frame beside it, or within a model there (a::b)"
+            ));
         };
-        let inner = self.find(model, Reference { name, ..reference }, depth + 1)?;
+        let inner = self.find(model, rest, reference, depth + 1)?;
         Ok(self.known(scope, model, depth + 1)?.then(&inner))
     }
 
@@ -122,7 +129,7 @@ fn own_name(scope: Node<'_, '_>) -> &'static str {
 fn outer_name<'a, 'i: 'a>(
     node: Node<'a, 'i>,
     pose: Option<Node<'a, 'i>>,
-) -> Result<Option<Reference<'a, 'a, 'i>>, FileError> {
+) -> Result<Option<Reference<'a, 'i>>, FileError> {
     let relative_to =
         pose.and_then(|pose| attribute(pose, "relative_to")).map(|found| Reference { user: node, ..found });
     if relative_to.is_some() || !node.has_tag_name("joint") {
@@ -134,7 +141,7 @@ fn outer_name<'a, 'i: 'a>(
 }
 
 /// A name in an attribute, if there is one that is not empty.
-fn attribute<'a, 'i: 'a>(node: Node<'a, 'i>, field: &'static str) -> Option<Reference<'a, 'a, 'i>> {
+fn attribute<'a, 'i: 'a>(node: Node<'a, 'i>, field: &'static str) -> Option<Reference<'a, 'i>> {
     let name = node.attribute(field).filter(|name| !name.is_empty())?;
     Some(Reference { name, field, user: node })
 }
