@@ -378,12 +378,7 @@ impl NavigatorState {
     fn step(&mut self, vehicle: &Vehicle, command: Command) -> Motion {
         let Scenario { world, crowd, .. } = &mut self.scenario;
         let Some(crowd) = crowd else { return vehicle.step(world, &mut self.vehicle, command) };
-        let radius = vehicle.footprint().circumradius();
-        vehicle.step_among(world, &mut self.vehicle, command, |world, state, dt| {
-            let velocity = state.pose.rotation * state.twist.xy();
-            let vehicle = Mover { position: state.pose.translation.vector.into(), velocity, radius };
-            crowd.step(world, dt, Some(&vehicle));
-        })
+        vehicle.step_among(world, &mut self.vehicle, command, crowd)
     }
 
     /// Sees where the crowd is.

@@ -48,7 +48,7 @@ fn spec(motion: CrowdMotion) -> NavSpec {
 
 fn motion() -> impl Strategy<Value = CrowdMotion> {
     prop_oneof![
-        Just(CrowdMotion::Waypoints { n_points: 3 }),
+        Just(CrowdMotion::Waypoints { n_points: 3, loops: vec![] }),
         Just(CrowdMotion::RandomWalk { turning: 0.7 }),
         Just(CrowdMotion::Reciprocal { horizon: 2.0, obstacle_horizon: 1.0 }),
     ]

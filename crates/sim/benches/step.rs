@@ -11,8 +11,8 @@ use std::hint::black_box;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use headway_sim::rand::RngExt;
 use headway_sim::{
-    Command, CrowdMotion, CrowdSpec, Footprint, Interval, Kinds, Obstacle, Pose, Quantity, RoomSpec, Scenario, Shape,
-    VehicleSpec, VehicleState, World, WorldSpec, stream,
+    BarnSpec, Command, CrowdMotion, CrowdSpec, Footprint, Interval, Kinds, Obstacle, Pose, Quantity, RoomSpec,
+    Scenario, Shape, VehicleSpec, VehicleState, World, WorldSpec, stream,
 };
 use parry2d::bounding_volume::{Aabb, BoundingVolume};
 use parry2d::math::{Pose as ParryPose, Vector};
@@ -56,7 +56,8 @@ fn step(c: &mut Criterion) {
             motion.distance
         });
     });
-    for (name, spec) in [("10x15", WorldSpec::Room10x15 {}), ("25x25", WorldSpec::Room25x25 {})] {
+    let barn = WorldSpec::Barn(BarnSpec::default());
+    for (name, spec) in [("10x15", WorldSpec::Room10x15 {}), ("25x25", WorldSpec::Room25x25 {}), ("barn", barn)] {
         let source = spec.build(vehicle.footprint()).expect("the default is valid");
         let mut index = 0;
         c.bench_function(&format!("scenario/{name}"), |b| {
@@ -161,7 +162,7 @@ fn obstacles(c: &mut Criterion) {
 fn crowds(c: &mut Criterion) {
     let mut group = c.benchmark_group("crowd_step");
     for (name, motion) in [
-        ("waypoints", CrowdMotion::Waypoints { n_points: 4 }),
+        ("waypoints", CrowdMotion::default()),
         ("random_walk", CrowdMotion::RandomWalk { turning: 0.3 }),
         ("reciprocal", CrowdMotion::Reciprocal { horizon: 2.0, obstacle_horizon: 0.5 }),
     ] {

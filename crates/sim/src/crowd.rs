@@ -5,12 +5,14 @@
 
 mod gait;
 mod ground;
+mod loops;
 mod orca;
 mod place;
 mod program;
 mod spec;
 #[cfg(test)]
 mod tests;
+mod tour;
 
 use nalgebra::Vector2;
 use rand_chacha::ChaCha8Rng;
@@ -51,6 +53,11 @@ impl Crowd {
     #[must_use]
     pub fn movers(&self) -> &[Mover] {
         &self.movers
+    }
+
+    /// The highest speed of any of them, m/s.
+    pub(crate) fn fastest(&self) -> f64 {
+        self.walks.iter().map(|walk| walk.speed).fold(0.0, f64::max)
     }
 
     /// Whether movers regard the vehicle; see [`CrowdSpec::avoids_vehicle`].
@@ -113,7 +120,7 @@ impl Crowd {
         let CrowdMotion::Reciprocal { horizon, obstacle_horizon } = self.motion else { return Vec::new() };
         let horizon = Horizon { movers: horizon, obstacles: obstacle_horizon, dt };
         let ground = Ground::new(world, &self.movers, vehicle);
-        let fastest = self.walks.iter().map(|walk| walk.speed).fold(0.0, f64::max);
+        let fastest = self.fastest();
         let velocity = |own: (usize, &Mover), walk: &Walk| {
             let wanted = walk.wanted(&own.1.position, dt);
             orca::velocity(&ground, own, (walk.speed, fastest), &wanted, horizon)

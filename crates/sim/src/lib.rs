@@ -1,11 +1,8 @@
 //! World geometry, vehicle kinematics with limits, collision and seeded scenarios.
 //!
 //! The crate answers four questions and knows nothing else: where things are ([`World`]), how a
-//! vehicle moves ([`Vehicle`]), how others move ([`Crowd`]), and which worlds to drive in ([`WorldSpec`]). It
-//! knows no sensor, no reward and no learning.
-//! The crate answers three questions and knows nothing else: where things are ([`World`]), how a
-//! vehicle moves ([`Vehicle`]), and which worlds to drive in ([`WorldSpec`] makes them, [`files`]
-//! brings them from elsewhere). It knows no sensor, no reward and no learning.
+//! vehicle moves ([`Vehicle`]), how others move ([`Crowd`]), and which worlds to drive in ([`WorldSpec`] makes
+//! them, [`files`] brings them from elsewhere). It knows no sensor, no reward and no learning.
 //!
 //! Conventions: SI units, radians, right-handed axes, yaw in (-pi, pi]. A room lies
 //! wherever its corner is put. Poses, points and twists are nalgebra types; the

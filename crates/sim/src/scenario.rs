@@ -6,6 +6,7 @@ mod generate;
 mod goal_rule;
 mod lattice;
 mod path_check;
+mod populate;
 mod quantity;
 mod room_spec;
 mod source;

@@ -10,8 +10,13 @@ use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
+<<<<<<< HEAD
 use crate::{Footprint, Pose, Proximity, Twist, World};
 use body::Body;
+=======
+use crate::{Crowd, Footprint, Mover, Pose, Proximity, Twist, World};
+use body::{Body, Dynamics, Stretch};
+>>>>>>> 990387d44c0dda140710029deaf029ffcda02d22
 
 pub use actuation::ActuationSpec;
 pub use body::{Dynamics, Stretch, Wheels};
@@ -120,21 +125,28 @@ impl Vehicle {
         self.drive(world, state, &phases, self.spec.control_period)
     }
 
-    /// As [`Self::step`], in a world that moves: before each substep, `advance` moves it on by that many seconds, and the
-    /// vehicle then drives as if it stood still. What moves into the vehicle collides with it; what moves in a substep by more than its own
-    /// size and the vehicle's may jump over it, so fast movers need more substeps.
+    /// As [`Self::step`], in a world that moves: before each substep the crowd, whose world it is, moves on by that many
+    /// seconds, and the vehicle then drives as if all stood still. Who moves into the vehicle collides with it.
+    ///
+    /// A crowd with fast movers goes on in several steps, with a look at each whether somebody has run into the vehicle: in
+    /// none of them a mover gets farther than half the radius of the circle within the vehicle, so that nobody jumps across
+    /// it, and only what cuts a corner, or that circle by 3 % of its radius, can be missed. No step is shorter than 0.1 ms,
+    /// in which the fastest mover that a spec allows gets 1 cm far.
+    ///
+    /// # Panics
+    /// If the world's movers are not the crowd's ([`Crowd::check`]).
     pub fn step_among(
         &self,
         world: &mut World,
         state: &mut VehicleState,
         command: Command,
-        mut advance: impl FnMut(&mut World, &VehicleState, f64),
+        crowd: &mut Crowd,
     ) -> Motion {
         let substep = self.dynamics.substep();
         let (mut distance, mut duration, mut last) = (0.0, 0.0, None);
         for Phase { command, n_substeps } in self.phases(state, command) {
             for _ in 0..n_substeps {
-                advance(world, state, substep);
+                self.let_walk(crowd, world, state, substep);
                 let motion = self.drive(world, state, &[Phase { command, n_substeps: 1 }], substep);
                 distance += motion.distance;
                 duration += motion.duration;
@@ -146,6 +158,22 @@ impl Vehicle {
         }
         let motion = last.expect("a period has a substep");
         Motion { distance, duration: self.spec.control_period, ..motion }
+    }
+
+    /// Moves a crowd on for a substep in which the vehicle stands, or until somebody touches it.
+    fn let_walk(&self, crowd: &mut Crowd, world: &mut World, state: &VehicleState, substep: f64) {
+        const SHORTEST: f64 = 1e-4;
+        let velocity = state.pose.rotation * state.twist.xy();
+        let position = state.pose.translation.vector.into();
+        let vehicle = Mover { position, velocity, radius: self.footprint.circumradius() };
+        let longest_way = self.footprint.inradius() / 2.0;
+        let n_steps = (crowd.fastest() * substep / longest_way).min(substep / SHORTEST).ceil().max(1.0);
+        for _ in 0..n_steps as usize {
+            crowd.step(world, substep / n_steps, Some(&vehicle));
+            if n_steps > 1.0 && world.collides(&self.footprint, &state.pose) {
+                break;
+            }
+        }
     }
 
     /// What actuators make of a command: its numbers times `1 + noise x` with a standard normal `x` for each, see

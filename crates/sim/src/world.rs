@@ -65,7 +65,7 @@ impl World {
     /// Names the field of the room or of an obstacle (`obstacles.3.shape.radius`) that is not
     /// allowed, or the obstacle that leaves the room.
     pub fn new(room: Room, obstacles: Vec<Obstacle>) -> Result<Self, SimError> {
-        let mut world = Self::empty(room, obstacles.len())?;
+        let mut world = Self::around(room, &obstacles)?;
         for (index, obstacle) in obstacles.into_iter().enumerate() {
             world.check(&obstacle, index).map_err(|e| e.under(&format!("obstacles.{index}")))?;
             world.push(obstacle);
@@ -85,10 +85,27 @@ impl World {
         SimError::OutsideRoom { index, x, y, width: self.room.width, height: self.room.height }
     }
 
-    /// A room in which up to `n_obstacles` are going to stand.
+    /// A world of checked obstacles that stand still.
+    pub(crate) fn of_checked(room: Room, obstacles: Vec<Obstacle>) -> Result<Self, SimError> {
+        let mut world = Self::around(room, &obstacles)?;
+        obstacles.into_iter().for_each(|obstacle| world.push(obstacle));
+        Ok(world)
+    }
+
+    /// A room in which up to `n_obstacles` are going to stand, anywhere.
     pub(crate) fn empty(room: Room, n_obstacles: usize) -> Result<Self, SimError> {
+        Self::within(room, &room, n_obstacles)
+    }
+
+    /// A room in which some obstacles are going to stand.
+    fn around(room: Room, obstacles: &[Obstacle]) -> Result<Self, SimError> {
+        Self::within(room, &area(obstacles), obstacles.len())
+    }
+
+    /// A room in which up to `n_obstacles` are going to stand, most of them in a part of it.
+    fn within(room: Room, area: &Room, n_obstacles: usize) -> Result<Self, SimError> {
         room.check()?;
-        let circles = Circles::new(&room, n_obstacles);
+        let circles = Circles::new(area, n_obstacles);
         let (obstacles, solids) = (Vec::with_capacity(n_obstacles), Vec::with_capacity(n_obstacles));
         Ok(Self { room, obstacles, n_static: 0, solids, circles })
     }
@@ -308,4 +325,15 @@ impl World {
         }
         nearest
     }
+}
+
+/// The rectangle around the places of obstacles: where to look for them. No side of it is shorter than a millimetre.
+fn area(obstacles: &[Obstacle]) -> Room {
+    let side = |of: fn(&Obstacle) -> f64| {
+        let low = obstacles.iter().map(of).fold(f64::INFINITY, f64::min);
+        let high = obstacles.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
+        if low.is_finite() && high.is_finite() { (low, (high - low).max(1e-3)) } else { (0.0, 1.0) }
+    };
+    let ((x, width), (y, height)) = (side(|obstacle| obstacle.x), side(|obstacle| obstacle.y));
+    Room { x, y, width, height }
 }

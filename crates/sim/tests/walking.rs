@@ -12,7 +12,7 @@ const SPEEDS: [f64; 2] = [0.3, 1.5];
 
 fn motion() -> impl Strategy<Value = CrowdMotion> {
     prop_oneof![
-        (2..6_usize).prop_map(|n_points| CrowdMotion::Waypoints { n_points }),
+        (2..6_usize).prop_map(|n_points| CrowdMotion::Waypoints { n_points, loops: vec![] }),
         (0.0..2.0).prop_map(|turning| CrowdMotion::RandomWalk { turning }),
         (0.5..4.0, 0.2..2.0)
             .prop_map(|(horizon, obstacle_horizon)| CrowdMotion::Reciprocal { horizon, obstacle_horizon }),
@@ -122,7 +122,7 @@ fn waypoints_are_walked_at_constant_speed() {
     let spec = CrowdSpec {
         n_movers: Interval::Fixed(1.0),
         speed: Interval::Fixed(0.7),
-        motion: CrowdMotion::Waypoints { n_points: 5 },
+        motion: CrowdMotion::Waypoints { n_points: 5, loops: vec![] },
         ..CrowdSpec::default()
     };
     let mut world = room(10).world;
@@ -161,7 +161,10 @@ fn bad_numbers_are_named() {
         ("speed", CrowdSpec { speed: Interval::Fixed(f64::NAN), ..base.clone() }),
         ("min_gap", CrowdSpec { min_gap: 0.0, ..base.clone() }),
         ("kinds (their sum)", CrowdSpec { kinds: Kinds { disc: 0.0, ..Kinds::default() }, ..base.clone() }),
-        ("motion.n_points", CrowdSpec { motion: CrowdMotion::Waypoints { n_points: 1 }, ..base.clone() }),
+        (
+            "motion.n_points",
+            CrowdSpec { motion: CrowdMotion::Waypoints { n_points: 1, loops: vec![] }, ..base.clone() },
+        ),
         ("motion.horizon", CrowdSpec { motion: reciprocal, ..base.clone() }),
     ] {
         assert_eq!(spec.check().unwrap_err().field, field);

@@ -5,7 +5,8 @@ use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
-use super::ground::{GAP, Ground};
+use super::ground::Ground;
+use super::tour::Tour;
 use super::{CrowdMotion, Mover};
 use crate::Point;
 
@@ -27,15 +28,6 @@ pub(super) enum Gait {
     Errand(Errand),
 }
 
-/// A way through points, in a ring or to and fro.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Tour {
-    points: Vec<Point>,
-    is_ring: bool,
-    next: usize,
-    is_forward: bool,
-}
-
 /// A place to go to, and the time for it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Errand {
@@ -45,7 +37,7 @@ pub(super) struct Errand {
 }
 
 /// How often a point is drawn.
-const TRIES: usize = 50;
+pub(super) const TRIES: usize = 50;
 
 impl Walk {
     /// A mover's first state.
@@ -58,17 +50,22 @@ impl Walk {
     ) -> Self {
         use std::f64::consts::PI;
         let gait = match *motion {
-            CrowdMotion::Waypoints { n_points } => Gait::Tour(Tour::new(n_points, mover, ground, rng)),
+            CrowdMotion::Waypoints { n_points, .. } => Gait::Tour(Tour::new(n_points, mover, ground, rng)),
             CrowdMotion::RandomWalk { .. } => Gait::Random { heading: rng.random_range(-PI..PI) },
             CrowdMotion::Reciprocal { .. } => Gait::Errand(Errand::new(speed, mover, ground, rng)),
         };
         Self { speed, gait }
     }
 
+    /// The first state of a mover on a given loop, on the way to one of its points.
+    pub(super) fn round(speed: f64, points: &[[f64; 2]], next: usize) -> Self {
+        Self { speed, gait: Gait::Tour(Tour::round(points, next)) }
+    }
+
     /// Whether this is a walk by a rule, with the places that it needs.
     pub(super) fn suits(&self, motion: &CrowdMotion) -> bool {
         match (&self.gait, motion) {
-            (Gait::Tour(tour), CrowdMotion::Waypoints { .. }) => tour.next < tour.points.len(),
+            (Gait::Tour(tour), CrowdMotion::Waypoints { .. }) => tour.has_next(),
             (Gait::Random { .. }, CrowdMotion::RandomWalk { .. }) => true,
             (Gait::Errand(_), CrowdMotion::Reciprocal { .. }) => true,
             _ => false,
@@ -83,67 +80,10 @@ impl Walk {
             if length > 0.0 { to * (self.speed.min(length / dt) / length) } else { Vector2::zeros() }
         };
         match &self.gait {
-            Gait::Tour(tour) => towards(&tour.points[tour.next]),
+            Gait::Tour(tour) => towards(&tour.next()),
             Gait::Random { heading } => Vector2::new(heading.cos(), heading.sin()) * self.speed,
             Gait::Errand(errand) => towards(&errand.goal),
         }
-    }
-}
-
-impl Tour {
-    /// From where the mover is, through points to which the straight way is free of what stands still; in a ring where the
-    /// way from the last to the first is free, too. Where no further point is found, there are fewer.
-    fn new(n_points: usize, mover: &Mover, ground: &Ground<'_>, rng: &mut impl RngExt) -> Self {
-        let mut points = vec![mover.position];
-        let still = ground.without_movers();
-        let is_free = |a: &Point, b: &Point| still.is_free(a, b, mover.radius + GAP);
-        for _ in 1..n_points {
-            let last = points[points.len() - 1];
-            let mut draws = (0..TRIES).map(|_| still.room().sample(rng));
-            points.extend(draws.find(|point| is_free(&last, point)));
-        }
-        let is_ring = points.len() > 2 && is_free(&points[points.len() - 1], &points[0]);
-        Self { next: usize::from(points.len() > 1), points, is_ring, is_forward: true }
-    }
-
-    /// Goes on to the point after the next one.
-    fn go_on(&mut self) {
-        let n = self.points.len();
-        if !self.is_ring {
-            self.is_forward = if self.is_forward { self.next + 1 < n } else { self.next == 0 };
-        }
-        let step = if self.is_forward { 1 } else { n - 1 };
-        self.next = if n > 1 { (self.next + step) % n } else { 0 };
-    }
-
-    fn turn_back(&mut self) {
-        let n = self.points.len();
-        self.is_forward = !self.is_forward;
-        let step = if self.is_forward { 1 } else { n - 1 };
-        self.next = (self.next + step) % n;
-    }
-
-    /// Walks a length along the tour; turns back where something is in the way.
-    pub(super) fn walk(&mut self, own: usize, mover: &Mover, mut length: f64, ground: &Ground<'_>) -> Point {
-        let mut position = mover.position;
-        // More points than these lie no way apart.
-        for _ in 0..=self.points.len() {
-            let next = self.points[self.next];
-            let to = next - position;
-            let (apart, is_reached) = (to.norm(), to.norm() <= length);
-            let end = if is_reached { next } else { position + to * (length / apart) };
-            if let Some(contact) = ground.first_contact(own, mover.radius, &position, &end) {
-                self.turn_back();
-                return position + to * (contact.distance / apart);
-            }
-            position = end;
-            if !is_reached {
-                break;
-            }
-            length -= apart;
-            self.go_on();
-        }
-        position
     }
 }
 

@@ -1,16 +1,30 @@
 //! Where a crowd is at first.
 
+use std::f64::consts::PI;
+
+use nalgebra::Vector2;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::gait::Walk;
 use super::ground::Ground;
-use super::{Crowd, CrowdSpec, Mover};
+use super::{Crowd, CrowdSpec, Mover, loops};
 use crate::scenario::draw_shape;
 use crate::{Interval, Obstacle, Point, Shape, SimError, World};
 
-/// How often a mover is tried.
+/// How often a mover is tried in one arrangement.
 const TRIES: usize = 500;
+
+/// How many arrangements of all movers are tried: those placed first can leave no place for the last.
+const ARRANGEMENTS: usize = 20;
+
+/// Where a mover is at first.
+struct Begin {
+    position: Point,
+    /// On a given loop: the point that it goes to.
+    next: usize,
+    yaw: f64,
+}
 
 impl CrowdSpec {
     /// Places a crowd at random in a world, whose movers it becomes; the world must have none.
@@ -19,7 +33,8 @@ impl CrowdSpec {
     /// now and in steps, comes from `rng`, of which the crowd keeps a copy.
     ///
     /// # Errors
-    /// Names a field that is not allowed, or the mover that found no place; the world is then as before.
+    /// Names a field that is not allowed, a given loop that something stands on, or the mover that found no place; the world
+    /// is then as before.
     ///
     /// # Panics
     /// If the world has movers.
@@ -43,11 +58,13 @@ impl CrowdSpec {
         self.check()?;
         assert!(world.movers().is_empty(), "the world has movers");
         let shapes = self.draw_shapes(rng);
-        let (movers, obstacles) = self.draw_places(world, keep_free, shapes, rng)?;
+        self.motion.check_loops_in(world, &shapes)?;
+        let begins = self.draw_arrangement(world, keep_free, &shapes, rng)?;
+        let (movers, obstacles) = appear(shapes, &begins);
         let mut crowd = Crowd {
             motion: self.motion.clone(),
             regards_vehicle: self.regards_vehicle(),
-            walks: self.draw_walks(world, &movers, rng),
+            walks: self.draw_walks(world, &movers, &begins, rng),
             movers,
             rng: rng.clone(),
         };
@@ -66,47 +83,79 @@ impl CrowdSpec {
         (0..n_movers).map(|_| draw_shape(&self.kinds, &self.radius, rng)).collect()
     }
 
-    /// The movers, at rest, and the obstacles that they are.
-    fn draw_places(
+    /// Where all movers are at first: of several arrangements, the first that works out.
+    fn draw_arrangement(
         &self,
         world: &World,
         keep_free: &[(Point, f64)],
-        shapes: Vec<Shape>,
+        shapes: &[Shape],
         rng: &mut ChaCha8Rng,
-    ) -> Result<(Vec<Mover>, Vec<Obstacle>), SimError> {
-        let (room, n) = (world.room(), shapes.len());
-        let (mut movers, mut obstacles): (Vec<Mover>, Vec<Obstacle>) = Default::default();
-        for shape in shapes {
+    ) -> Result<Vec<Begin>, SimError> {
+        let mut drawn = self.draw_begins(world, keep_free, shapes, rng);
+        for _ in 1..ARRANGEMENTS {
+            if drawn.is_ok() {
+                break;
+            }
+            drawn = self.draw_begins(world, keep_free, shapes, rng);
+        }
+        drawn
+    }
+
+    fn draw_begins(
+        &self,
+        world: &World,
+        keep_free: &[(Point, f64)],
+        shapes: &[Shape],
+        rng: &mut ChaCha8Rng,
+    ) -> Result<Vec<Begin>, SimError> {
+        let room = world.room();
+        let mut taken = keep_free.to_vec();
+        let mut begins = Vec::with_capacity(shapes.len());
+        for (own, shape) in shapes.iter().enumerate() {
             let radius = shape.circumradius();
-            let apart = |point: &Point, (center, other): (Point, f64)| {
-                nalgebra::distance(point, &center) >= radius + other + self.min_gap
+            let is_free = |(point, _): &(Point, usize)| {
+                let apart =
+                    |(center, other): &(Point, f64)| nalgebra::distance(point, center) >= radius + other + self.min_gap;
+                taken.iter().all(apart) && world.has_room_around(point, radius + self.min_gap)
             };
-            let is_free = |point: &Point| {
-                let mut discs = movers.iter().map(|m| (m.position, m.radius)).chain(keep_free.iter().copied());
-                discs.all(|disc| apart(point, disc)) && world.has_room_around(point, radius + self.min_gap)
-            };
-            let Some(position) = (0..TRIES).map(|_| room.sample(rng)).find(is_free) else {
+            let mut draws = (0..TRIES).map(|n_tried| match self.motion.loop_of(own) {
+                Some(points) => loops::draw_begin(points, n_tried, rng),
+                None => (room.sample(rng), 0),
+            });
+            let Some((position, next)) = draws.find(is_free) else {
                 return Err(SimError::CannotPlace {
-                    what: format!("mover {} of {n} (radius {radius:.2} m)", movers.len() + 1),
+                    what: format!("mover {} of {} (radius {radius:.2} m)", own + 1, shapes.len()),
                     width: room.width,
                     height: room.height,
                     min_gap: self.min_gap,
                     tries: TRIES,
                 });
             };
-            movers.push(Mover { position, velocity: nalgebra::Vector2::zeros(), radius });
-            let yaw = rng.random_range(-std::f64::consts::PI..std::f64::consts::PI);
-            obstacles.push(Obstacle { shape, x: position.x, y: position.y, yaw });
+            taken.push((position, radius));
+            begins.push(Begin { position, next, yaw: rng.random_range(-PI..PI) });
         }
-        Ok((movers, obstacles))
+        Ok(begins)
     }
 
-    fn draw_walks(&self, world: &World, movers: &[Mover], rng: &mut ChaCha8Rng) -> Vec<Walk> {
+    fn draw_walks(&self, world: &World, movers: &[Mover], begins: &[Begin], rng: &mut ChaCha8Rng) -> Vec<Walk> {
         let ground = Ground::new(world, &[], None);
-        let mut walk = |mover| {
+        let walk = |(own, mover): (usize, &Mover)| {
             let speed = self.speed.sample(rng);
-            Walk::new(&self.motion, speed, mover, &ground, rng)
+            match self.motion.loop_of(own) {
+                Some(points) => Walk::round(speed, points, begins[own].next),
+                None => Walk::new(&self.motion, speed, mover, &ground, rng),
+            }
         };
-        movers.iter().map(&mut walk).collect()
+        movers.iter().enumerate().map(walk).collect()
     }
+}
+
+/// The movers, at rest, and the obstacles that they are.
+fn appear(shapes: Vec<Shape>, begins: &[Begin]) -> (Vec<Mover>, Vec<Obstacle>) {
+    let appear = |(shape, begin): (Shape, &Begin)| {
+        let Begin { position, yaw, .. } = *begin;
+        let mover = Mover { position, velocity: Vector2::zeros(), radius: shape.circumradius() };
+        (mover, Obstacle { shape, x: position.x, y: position.y, yaw })
+    };
+    shapes.into_iter().zip(begins).map(appear).unzip()
 }

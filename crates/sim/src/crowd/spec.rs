@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::loops;
 use crate::check::{non_negative, positive, within};
 use crate::{FieldError, Interval, Kinds};
 
@@ -50,11 +51,19 @@ impl Default for CrowdSpec {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
 pub enum CrowdMotion {
-    /// At constant speed through random points joined by free straight ways, in a ring if its last side is free, too, or
-    /// else to and fro. A mover that another one stops turns back.
+    /// At constant speed round given loops, or else through random points joined by free straight ways, in a ring if its
+    /// last side is free, too, or to and fro. A mover that another one stops turns back.
     Waypoints {
-        /// Points, the first place included; from 2 to 1000. Cramped movers find fewer, and one that finds none stands.
+        /// Random points, the first place included; from 2 to 1000, 4 if not given; not used where there are loops. Cramped
+        /// movers find fewer, and one that finds none stands.
+        #[serde(default = "few_points")]
         n_points: usize,
+        /// Loops of points `[x, y]` in metres, up to 1000 of 2 to 1000 points each; the way from the last point leads back to
+        /// the first. The first mover walks round the first loop, the second round the second, and so on in turn; it begins
+        /// at the first point or, where that is taken, anywhere on its loop. A loop on which something stands in its movers'
+        /// way is refused. If none is given, points are random.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        loops: Vec<Vec<[f64; 2]>>,
     },
     /// At constant speed in a direction that diffuses (a Wiener process), mirrored at whatever is in the way.
     RandomWalk {
@@ -73,8 +82,13 @@ pub enum CrowdMotion {
 
 impl Default for CrowdMotion {
     fn default() -> Self {
-        Self::Waypoints { n_points: 4 }
+        Self::Waypoints { n_points: few_points(), loops: Vec::new() }
     }
+}
+
+/// The number of random waypoints where none is given.
+fn few_points() -> usize {
+    4
 }
 
 impl CrowdSpec {
@@ -113,12 +127,15 @@ impl CrowdSpec {
 
 impl CrowdMotion {
     fn check(&self) -> Result<(), FieldError> {
-        match *self {
-            Self::Waypoints { n_points } => within("n_points", n_points as f64, 2.0, 1000.0),
-            Self::RandomWalk { turning } => within("turning", turning, 0.0, 100.0),
+        match self {
+            Self::Waypoints { n_points, loops } => {
+                within("n_points", *n_points as f64, 2.0, 1000.0)?;
+                loops::check(loops)
+            }
+            Self::RandomWalk { turning } => within("turning", *turning, 0.0, 100.0),
             Self::Reciprocal { horizon, obstacle_horizon } => {
-                within("horizon", horizon, 0.01, 100.0)?;
-                within("obstacle_horizon", obstacle_horizon, 0.01, 100.0)
+                within("horizon", *horizon, 0.01, 100.0)?;
+                within("obstacle_horizon", *obstacle_horizon, 0.01, 100.0)
             }
         }
     }

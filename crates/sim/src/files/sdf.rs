@@ -64,7 +64,8 @@ impl SdfSpec {
 ///
 /// The document holds one `<world>`, or models without a world. Read are the collisions of all links of all models,
 /// nested ones too, movable ones where they stand, with their poses in three dimensions (`relative_to` a model,
-/// link or frame of the same scope; `degrees`; quaternions).
+/// link, joint or frame of the same scope, or of a model in it, as in `a::b`; `placement_frame`; `degrees`; quaternions).
+/// A joint lies by default in its child link.
 ///
 /// | geometry | becomes |
 /// |---|---|
@@ -78,8 +79,8 @@ impl SdfSpec {
 /// What the cut does not meet, or meets in less than a micrometre, is left out; visuals, lights, `<state>` (which
 /// repeats all models) and the like are no obstacles. Includes, actors, populations, meshes, height maps and all other
 /// geometry are [`SdfSpec::unsupported`]. Refused, whatever the spec says, are frames that are not followed, lest things
-/// stand elsewhere than meant: `relative_to` (or `attached_to`) with the name of a joint or a scoped name (`a::b`),
-/// `placement_frame`, and `<pose frame>` of SDF 1.4 to 1.6; and a second shape of a geometry or a second `<pose>`.
+/// stand elsewhere than meant: names that are not of the scope or of a model in it, and `<pose frame>` of SDF 1.4 to 1.6;
+/// and a second shape of a geometry or a second `<pose>`.
 ///
 /// The room is the box around all obstacles (and around start and goal), grown by the margin; in an empty world, the
 /// margin around the origin. A world that [`to_sdf`] wrote says its room, start and goal itself.

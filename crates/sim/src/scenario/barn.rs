@@ -1,15 +1,21 @@
 //! Worlds like those of the BARN challenge, from a cellular automaton.
 
+mod passage;
+
 use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::Vector2;
 use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
+use super::lattice::Lattice;
 use super::path_check::PathCheck;
+use super::populate::{check_crowd, populate};
 use super::{GoalRule, Interval, Scenario};
 use crate::check::{fraction, within};
-use crate::{FieldError, Footprint, Obstacle, Point, Pose, Room, Shape, SimError, World};
+use crate::{CrowdSpec, FieldError, Footprint, Obstacle, Point, Pose, Room, Shape, SimError, World};
+use passage::Passage;
 
 /// A corridor with a field of posts as in the worlds of BARN (Perille, Truong, Xiao, Stone 2020, "Benchmarking Metric Ground
 /// Navigation"), in their coordinates: the vehicle starts at (-2, 3), facing +y, and is to go 10 m ahead.
@@ -30,6 +36,10 @@ pub struct BarnSpec {
     pub clearance: Interval,
     /// Least distance from the outermost posts, the start or the goal to the walls of the hall around them, metres, 1 to 50.
     pub margin: f64,
+    /// What moves in the hall, in and around the corridor; nothing if not given. The way through the field leads round what
+    /// stands still.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub crowd: Option<CrowdSpec>,
 }
 
 impl Default for BarnSpec {
@@ -39,6 +49,7 @@ impl Default for BarnSpec {
             n_smoothings: Interval::Range([2.0, 4.0]),
             clearance: Interval::Fixed(0.35),
             margin: 10.0,
+            crowd: None,
         }
     }
 }
@@ -73,20 +84,34 @@ impl BarnSpec {
         self.fill.check("fill", fraction)?;
         self.n_smoothings.check("n_smoothings", |field, x| within(field, x, 0.0, 20.0))?;
         self.clearance.check("clearance", |field, x| within(field, x, 0.05, 0.8))?;
-        within("margin", self.margin, 1.0, 50.0)
+        within("margin", self.margin, 1.0, 50.0)?;
+        check_crowd(self.crowd.as_ref())
     }
 
     /// A world with such a way; its fill and smoothing are drawn anew with each field.
-    pub(super) fn scenario(&self, footprint: &Footprint, mut layout: impl RngExt) -> Result<Scenario, SimError> {
+    pub(super) fn scenario(
+        &self,
+        footprint: &Footprint,
+        mut layout: impl RngExt,
+        crowd: ChaCha8Rng,
+    ) -> Result<Scenario, SimError> {
         let rng = &mut layout;
         let rule = Self::goal_rule();
         let clearance = self.clearance.sample(rng).max(footprint.inradius());
         let (start, goal) = (Point::from(START), Point::from(GOAL));
+        let free = |lattice: Lattice| Passage::new(&lattice, clearance + lattice.step / 2.0 + PITCH / 2.0);
+        let passage = Lattice::new(&self.room(), rule.clearance).map(free);
         for _ in 0..TRIES {
-            let world = self.build_world(&self.draw_field(rng))?;
+            let field = self.draw_field(rng);
+            // Most fields are blocked, and a world of one costs much more than to see it.
+            if !passage.as_ref().is_some_and(|passage| passage.is_open(&field)) {
+                continue;
+            }
+            let world = self.build_world(&field)?;
             if PathCheck::new(&world, &Footprint::disc(clearance), &rule).joins(&start, &goal) {
                 let start = Pose::new(start.coords, FRAC_PI_2);
-                return Ok(Scenario { world, start, goal, goal_rule: rule, crowd: None });
+                let scenario = Scenario { world, start, goal, goal_rule: rule, crowd: None };
+                return populate(scenario, self.crowd.as_ref(), footprint, crowd);
             }
         }
         let room = self.room();
@@ -106,17 +131,11 @@ impl BarnSpec {
     fn build_world(&self, field: &Field) -> Result<World, SimError> {
         let walls = (0..N_ROWS).flat_map(|row| [(0, row), (N_COLUMNS - 1, row)]);
         let bottom = (1..N_COLUMNS - 1).map(|column| (column, 0));
-        let filled = field.iter().enumerate().flat_map(|(row, cells)| {
-            let posts = cells.iter().enumerate().filter(|(_, is_filled)| **is_filled);
-            posts.map(move |(column, _)| (column + 1, row + FIELD))
-        });
-        let posts: Vec<(usize, usize)> = walls.chain(bottom).chain(filled).collect();
-        let mut world = World::empty(self.room(), posts.len())?;
-        for (column, row) in posts {
+        let post = |(column, row): (usize, usize)| {
             let at = Vector2::from(FIRST) + Vector2::new(column as f64, row as f64) * PITCH;
-            world.push(Obstacle { shape: Shape::Disc { radius: PITCH / 2.0 }, x: at.x, y: at.y, yaw: 0.0 });
-        }
-        Ok(world)
+            Obstacle { shape: Shape::Disc { radius: PITCH / 2.0 }, x: at.x, y: at.y, yaw: 0.0 }
+        };
+        World::of_checked(self.room(), walls.chain(bottom).chain(posts(field)).map(post).collect())
     }
 
     /// The hall around it all.
@@ -126,6 +145,14 @@ impl BarnSpec {
         let (below, above) = (FIRST[1] - PITCH / 2.0 - self.margin, GOAL[1] + self.margin);
         Room { x: left, y: below, width: right - left, height: above - below }
     }
+}
+
+/// The posts of a field, by column and row.
+fn posts(field: &Field) -> impl Iterator<Item = (usize, usize)> {
+    field.iter().enumerate().flat_map(|(row, cells)| {
+        let filled = cells.iter().enumerate().filter(|(_, is_filled)| **is_filled);
+        filled.map(move |(column, _)| (column + 1, row + FIELD))
+    })
 }
 
 /// One step of the automaton.
@@ -173,8 +200,8 @@ mod tests {
         let spec = BarnSpec::default();
         let mut n_posts = Vec::new();
         for index in 0..50 {
-            let scenario = spec.scenario(&footprint, stream(1, "layout", index)).unwrap();
-            let again = spec.scenario(&footprint, stream(1, "layout", index)).unwrap();
+            let scenario = spec.scenario(&footprint, stream(1, "layout", index), stream(1, "crowd", index)).unwrap();
+            let again = spec.scenario(&footprint, stream(1, "layout", index), stream(1, "crowd", index)).unwrap();
             assert_eq!(scenario.world.obstacles(), again.world.obstacles());
             assert!(!scenario.world.collides(&footprint, &scenario.start));
             assert_eq!(scenario.goal, Point::new(-2.0, 13.0));
@@ -184,12 +211,35 @@ mod tests {
         assert!(n_posts[0] < 60 && n_posts[49] > 130, "sparse ones and dense ones: {n_posts:?}");
     }
 
+    /// Fields of all densities: one that is not open never has a way, and most open ones have one.
+    #[test]
+    fn what_is_blocked_has_no_way() {
+        let rule = BarnSpec::goal_rule();
+        let spec = BarnSpec { fill: Interval::Range([0.05, 0.35]), margin: 1.0, ..BarnSpec::default() };
+        let lattice = Lattice::new(&spec.room(), rule.clearance).unwrap();
+        let (mut n_blocked, mut n_open, mut n_joined) = (0, 0, 0);
+        for index in 0..600 {
+            let rng = &mut stream(3, "layout", index);
+            let clearance = rng.random_range(0.05..0.5);
+            let field = spec.draw_field(rng);
+            let is_open = Passage::new(&lattice, clearance + lattice.step / 2.0 + PITCH / 2.0).is_open(&field);
+            let world = spec.build_world(&field).unwrap();
+            let mut check = PathCheck::new(&world, &Footprint::disc(clearance), &rule);
+            let is_joined = check.joins(&START.into(), &GOAL.into());
+            assert!(is_open || !is_joined, "{index}");
+            n_blocked += usize::from(!is_open);
+            n_open += usize::from(is_open);
+            n_joined += usize::from(is_joined);
+        }
+        assert!(n_blocked > 100 && n_joined > 100 && n_joined * 20 > n_open * 19, "{n_blocked} {n_open} {n_joined}");
+    }
+
     #[test]
     fn refusals_name_the_field() {
         let spec = BarnSpec { fill: Interval::Fixed(1.5), ..BarnSpec::default() };
         assert_eq!(spec.check().unwrap_err().to_string(), "fill = 1.5: must be from 0 to 1");
         let full = BarnSpec { fill: Interval::Fixed(1.0), ..BarnSpec::default() };
-        let error = full.scenario(&Footprint::disc(0.2), stream(0, "layout", 0)).unwrap_err();
+        let error = full.scenario(&Footprint::disc(0.2), stream(0, "layout", 0), stream(0, "crowd", 0)).unwrap_err();
         assert!(error.to_string().contains("joined by a path 0.70 m wide"), "{error}");
     }
 }

@@ -8,12 +8,14 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
+use super::populate::check_crowd;
 use super::{GoalRule, Scenario};
 use crate::check::fraction;
 use crate::files::{self, FileSpec};
-use crate::{FieldError, Footprint, SimError, stream};
+use crate::{CrowdSpec, FieldError, Footprint, SimError, stream};
 use one_file::OneFile;
 
 /// Scenarios in worlds from files, each in one of them.
@@ -48,6 +50,9 @@ pub struct FilesSpec {
     pub start_goal_clearance: f64,
     /// How files are read.
     pub read: FileSpec,
+    /// What moves in the worlds, beside what stands in the files; nothing if not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub crowd: Option<CrowdSpec>,
 }
 
 /// Which of the files.
@@ -75,6 +80,7 @@ impl Default for FilesSpec {
             start_goal_distance: 4.0,
             start_goal_clearance: 0.2,
             read: FileSpec::default(),
+            crowd: None,
         }
     }
 }
@@ -121,12 +127,14 @@ impl FilesSpec {
 
     /// Reads the files and makes a scenario in each, so that none is met for the first time in the midst of a run.
     pub(super) fn build(&self, footprint: &Footprint) -> Result<Files, SimError> {
+        check_crowd(self.crowd.as_ref())?;
         let files = self.chosen()?.into_iter().map(|path| OneFile::read(path, self)).collect::<Result<Vec<_>, _>>()?;
         for file in &files {
             file.check(footprint)?;
-            file.scenario(footprint, stream(0, "trial-ends", 0))?;
+            let [ends, crowd] = ["trial-ends", "trial-crowd"].map(|name| stream(0, name, 0));
+            file.scenario(footprint, ends, self.crowd.as_ref(), crowd)?;
         }
-        Ok(Files { files })
+        Ok(Files { files, crowd: self.crowd.clone() })
     }
 }
 
@@ -148,6 +156,7 @@ fn refuse_twins(paths: &[PathBuf]) -> Result<(), FieldError> {
 #[derive(Debug, Clone)]
 pub(super) struct Files {
     files: Vec<OneFile>,
+    crowd: Option<CrowdSpec>,
 }
 
 impl Files {
@@ -162,7 +171,9 @@ impl Files {
         footprint: &Footprint,
         mut layout: impl RngExt,
         ends: impl RngExt,
+        crowd: ChaCha8Rng,
     ) -> Result<Scenario, SimError> {
-        self.files[layout.random_range(0..self.files.len())].scenario(footprint, ends)
+        let file = &self.files[layout.random_range(0..self.files.len())];
+        file.scenario(footprint, ends, self.crowd.as_ref(), crowd)
     }
 }

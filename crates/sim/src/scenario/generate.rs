@@ -6,6 +6,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::path_check::PathCheck;
+use super::populate::populate;
 use super::{GoalRule, Interval, Kinds, Quantity, RoomSpec, Scenario};
 use crate::{Footprint, Obstacle, Point, Pose, Room, Shape, SimError, World};
 
@@ -26,7 +27,7 @@ pub(super) fn scenario(
     footprint: &Footprint,
     mut layout: impl RngExt,
     mut ends: impl RngExt,
-    mut crowd: ChaCha8Rng,
+    crowd: ChaCha8Rng,
 ) -> Result<Scenario, SimError> {
     let (layout, ends) = (&mut layout, &mut ends);
     let room = Room::new(spec.width.sample(layout), spec.height.sample(layout));
@@ -36,11 +37,10 @@ pub(super) fn scenario(
     for _ in 0..LAYOUT_TRIES {
         let made = furnish(room, &shapes, spec.min_gap, layout).and_then(|world| {
             let (start, goal) = start_and_goal(&rule, &world, footprint, ends)?;
-            let scenario = Scenario { world, start, goal, goal_rule: rule, crowd: None };
-            populate(scenario, spec, footprint, &mut crowd)
+            Ok(Scenario { world, start, goal, goal_rule: rule, crowd: None })
         });
         match made {
-            Ok(scenario) => return Ok(scenario),
+            Ok(scenario) => return populate(scenario, spec.crowd.as_ref(), footprint, crowd),
             Err(error) => last_error = Some(error),
         }
     }
@@ -116,20 +116,6 @@ fn draw_polygon(radius: f64, rng: &mut impl RngExt) -> Shape {
         })
         .collect();
     Shape::Polygon { vertices }
-}
-
-/// A scenario with its crowd, if the room has one.
-fn populate(
-    scenario: Scenario,
-    spec: &RoomSpec,
-    footprint: &Footprint,
-    rng: &mut ChaCha8Rng,
-) -> Result<Scenario, SimError> {
-    let Some(spec) = &spec.crowd else { return Ok(scenario) };
-    let Scenario { mut world, start, goal, .. } = scenario;
-    let ends = [start.translation.vector.into(), goal].map(|end| (end, footprint.circumradius()));
-    let crowd = spec.build(&mut world, &ends, rng)?;
-    Ok(Scenario { world, crowd: Some(crowd), ..scenario })
 }
 
 /// Two places that a path joins, the first with a yaw.

@@ -49,6 +49,12 @@ impl Lattice {
         self.n_x * self.n_y
     }
 
+    /// Where its columns are along x, and its rows along y.
+    pub(super) fn coordinates(&self) -> [Vec<f64>; 2] {
+        let columns = (0..self.n_x).map(|i| self.point(i).x).collect();
+        [columns, (0..self.n_y).map(|j| self.point(j * self.n_x).y).collect()]
+    }
+
     pub(super) fn point(&self, node: usize) -> Point {
         let (i, j) = (node % self.n_x, node / self.n_x);
         self.first + nalgebra::Vector2::new(i as f64, j as f64) * self.step

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::populate::check_crowd;
 use super::{GoalRule, Interval, Kinds, Quantity};
 use crate::check::{non_negative, positive, within};
 use crate::{CrowdSpec, FieldError, Room};
@@ -90,7 +91,7 @@ impl RoomSpec {
         for room in [smallest, largest] {
             self.goal_rule().check(&room).map_err(|e| FieldError { field: format!("start_goal_{}", e.field), ..e })?;
         }
-        self.crowd.iter().try_for_each(|crowd| crowd.check().map_err(|e| e.under("crowd")))?;
+        check_crowd(self.crowd.as_ref())?;
         self.check_obstacles(largest.width * largest.height)
     }
 

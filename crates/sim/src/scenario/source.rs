@@ -29,8 +29,8 @@ impl Part {
     ) -> Result<Scenario, SimError> {
         match self {
             Self::Room(room) => generate::scenario(room, footprint, layout, ends, crowd),
-            Self::Barn(barn) => barn.scenario(footprint, layout),
-            Self::Files(files) => files.scenario(footprint, layout, ends),
+            Self::Barn(barn) => barn.scenario(footprint, layout, crowd),
+            Self::Files(files) => files.scenario(footprint, layout, ends, crowd),
         }
     }
 }
@@ -51,8 +51,9 @@ impl WorldSource {
     /// The scenario number `index` of a seed.
     ///
     /// The choice of the world, its size and its obstacles come from the random stream "layout", the start
-    /// with its yaw and the goal from "start-goal", the crowd, if there is one, from "crowd". So the layout stays what it is under another goal rule or
-    /// footprint, or with a crowd, unless there is no start and goal, or no place for the crowd, in it: then the obstacles are placed anew.
+    /// with its yaw and the goal from "start-goal", the crowd, if there is one, from "crowd". So all that stands still, the
+    /// start and the goal are the same with and without a crowd; and the layout stays what it is under another goal rule or
+    /// footprint, unless there is no start and goal in it: then the obstacles are placed anew.
     ///
     /// # Errors
     /// Says what could not be placed, if the spec leaves too little room.

@@ -20,16 +20,22 @@ pub enum VehiclePreset {
     Jackal,
     /// The Jackal as the BARN challenge's Gazebo simulates it: what lies between its commands and its motion is fitted.
     JackalGazebo,
+    /// F1TENTH (RoboRacer), the racing car of one tenth the size, as `f1tenth_gym` describes it: Ackermann drive.
+    F1tenth,
+    /// Clearpath Ridgeback: Mecanum wheels, which move it sideways too.
+    Ridgeback,
 }
 
 impl VehiclePreset {
     /// All presets with their names in specs.
-    pub const ALL: [(&str, Self); 5] = [
+    pub const ALL: [(&str, Self); 7] = [
         ("default", Self::Default),
         ("turtlebot3_burger", Self::Turtlebot3Burger),
         ("turtlebot3_waffle", Self::Turtlebot3Waffle),
         ("jackal", Self::Jackal),
         ("jackal_gazebo", Self::JackalGazebo),
+        ("f1tenth", Self::F1tenth),
+        ("ridgeback", Self::Ridgeback),
     ];
 
     /// The vehicle.
@@ -96,6 +102,38 @@ impl VehiclePreset {
                 control_period: 0.05,
                 actuation: ActuationSpec { latency: 0.2, yaw_rate_gain: 0.5, noise: 0.05, ..ActuationSpec::default() },
                 ..Self::Jackal.spec()
+            },
+            // f1tenth_gym, f110_env.py, the default parameters: lf 0.15875 m and lr 0.17145 m from the centre of gravity to the
+            // axles, s_max 0.4189 rad, sv_max 3.2 rad/s, v_max 20 m/s, v_min -5 m/s, a_max 9.51 m/s^2, length 0.58 m and width
+            // 0.31 m around the centre of gravity. No yaw rate there: tyres of that file's friction coefficient, mu = 1.0489,
+            // pass on sqrt(mu g / 0.742 m) = 3.72 rad/s in the tightest turn, of 0.742 m at the rear axle. That file's time
+            // step of 0.01 s is a substep here, of which a command holds for four.
+            Self::F1tenth => VehicleSpec {
+                footprint: rectangle([0.17145 - 0.29, 0.17145 + 0.29], 0.155),
+                drive: Drive::Ackermann {
+                    wheelbase: 0.15875 + 0.17145,
+                    max_steering_angle: 0.4189,
+                    max_steering_rate: 3.2,
+                },
+                max_speed: 20.0,
+                max_reverse_speed: 5.0,
+                max_yaw_rate: 3.72,
+                max_acceleration: 9.51,
+                control_period: 0.04,
+                ..Self::Default.spec()
+            },
+            // Outline: Clearpath's data sheet, 960 x 793 mm. Speeds and accelerations ahead, aside and of the yaw:
+            // ridgeback_control, control.yaml.
+            Self::Ridgeback => VehicleSpec {
+                footprint: Shape::Box { length: 0.96, width: 0.793 },
+                drive: Drive::Omnidirectional { max_lateral_speed: 1.1 },
+                max_speed: 1.1,
+                max_reverse_speed: 1.1,
+                max_yaw_rate: 2.0,
+                max_acceleration: 2.5,
+                max_yaw_acceleration: 1.0,
+                control_period: 0.1,
+                ..Self::Default.spec()
             },
         }
     }

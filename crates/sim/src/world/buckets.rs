@@ -5,7 +5,7 @@ use crate::{Point, Room};
 /// The end of a chain.
 const NONE: u32 = u32::MAX;
 
-/// A grid of cells over a room, each with a chain of the solids whose centres lie in it.
+/// A grid of cells over an area, each with a chain of the solids whose centres lie in it; those outside are in the nearest cell.
 ///
 /// With about as many cells as solids, a question about a small neighbourhood takes the same time in a
 /// room of a hundred obstacles and of ten thousand.
@@ -23,10 +23,10 @@ pub(super) struct Buckets {
 
 impl Buckets {
     /// An empty grid for about `n_solids`.
-    pub(super) fn new(room: &Room, n_solids: usize) -> Self {
+    pub(super) fn new(area: &Room, n_solids: usize) -> Self {
         let n = n_solids.isqrt().clamp(1, 128);
-        let per_metre = [n as f64 / room.width, n as f64 / room.height];
-        let corner = Point::new(room.x, room.y);
+        let per_metre = [n as f64 / area.width, n as f64 / area.height];
+        let corner = Point::new(area.x, area.y);
         Self { n, corner, per_metre, first: vec![NONE; n * n], next: Vec::with_capacity(n_solids), largest_radius: 0.0 }
     }
 

@@ -24,9 +24,9 @@ pub(super) struct Circles {
 }
 
 impl Circles {
-    /// No circles yet, in a room for up to `n` of them.
-    pub(super) fn new(room: &Room, n: usize) -> Self {
-        let buckets = (n > FEW).then(|| Buckets::new(room, n));
+    /// No circles yet, for up to `n` of them, most of them centred in an area.
+    pub(super) fn new(area: &Room, n: usize) -> Self {
+        let buckets = (n > FEW).then(|| Buckets::new(area, n));
         Self { blocks: Vec::with_capacity(n.div_ceil(LANES)), len: 0, are_exact: true, buckets }
     }
 

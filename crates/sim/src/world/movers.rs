@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::{Circles, World};
+use super::{Circles, World, area};
 use crate::{Obstacle, Point, Pose, SimError};
 
 impl World {
@@ -18,7 +18,7 @@ impl World {
         }
         let n = self.obstacles.len() + movers.len();
         if !self.circles.suits(n) {
-            self.circles = Circles::new(&self.room, n);
+            self.circles = Circles::new(&area(&self.obstacles), n);
             for solid in &self.solids {
                 self.circles.push_solid(solid);
             }
@@ -45,9 +45,8 @@ impl World {
         if self.movers().is_empty() {
             return Cow::Borrowed(self);
         }
-        let mut world = Self::empty(self.room, self.n_static).expect("the room was checked");
-        self.static_obstacles().iter().for_each(|obstacle| world.push(obstacle.clone()));
-        Cow::Owned(world)
+        let world = Self::of_checked(self.room, self.static_obstacles().to_vec());
+        Cow::Owned(world.expect("the room was checked"))
     }
 
     /// Moves a mover, named by its index among all obstacles, to a pose at which it lies within the room.

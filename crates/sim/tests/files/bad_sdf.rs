@@ -96,17 +96,17 @@ fn each_fault_is_named() {
         ),
         (
             posed("<pose relative_to='base'>0 0 0 0 0 0</pose>"),
-            "line 1, model 'm': relative_to = 'base': must be world, or a model, link or frame beside it".into(),
+            "line 1, model 'm': relative_to = 'base': must be world, or a model, link, joint or frame beside it, or within a model there (a::b)".into(),
         ),
         (
             posed("<pose relative_to='m::link'>0 0 0 0 0 0</pose>"),
-            "line 1, model 'm': relative_to = 'm::link': must be world, or a model, link or frame beside it".into(),
+            "line 1, model 'm': relative_to = 'm::link': must be no circle, and no chain of more than 64 frames".into(),
         ),
         (
             document(
                 "<joint name='j'/><frame name='f'><pose relative_to='j'/></frame><model name='m'><pose relative_to='f'/></model>",
             ),
-            "line 1, frame 'f': relative_to = 'j': must be world, or a model, link or frame beside it".into(),
+            "line 1, joint 'j': <child> is missing".into(),
         ),
         (
             posed("<pose relative_to='m'>0 0 0 0 0 0</pose>"),
@@ -122,7 +122,7 @@ fn each_fault_is_named() {
         ),
         (
             document("<model name='m' placement_frame='f'/>"),
-            "line 1, model 'm': placement_frame = 'f': must be absent: a model is placed by its own frame".into(),
+            "line 1, model 'm': placement_frame = 'f': must be __model__, or a model, link, joint or frame beside it".into(),
         ),
         (
             document(&("<model name='a'>".repeat(33) + &"</model>".repeat(33))),

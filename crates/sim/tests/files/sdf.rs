@@ -93,6 +93,65 @@ fn poses_are_nested_and_relative() {
 }
 
 #[test]
+fn scoped_names_lead_into_models() {
+    // a at (1, 2) turned left; in it b 3 ahead of it, so at (1, 5), and in b the frame f 1 to its left, at (0, 5).
+    let a = format!(
+        "<model name='a'><pose>1 2 0 0 0 {FRAC_PI_2}</pose><model name='b'><pose>3 0 0 0 0 0</pose>\
+         <frame name='f'><pose>0 1 0 0 0 0</pose></frame></model></model>"
+    );
+    let disc = one(&(a.clone()
+        + &model("c", "0.5 0 0 0 0 0", &cylinder(0.3, 1.0)).replace("<pose>", "<pose relative_to='a::b::f'>")));
+    assert!(close(disc.x, 0.0) && close(disc.y, 5.5) && close(disc.yaw, FRAC_PI_2));
+    let own =
+        one(&(a + &model("c", "0.5 0 0 0 0 0", &cylinder(0.3, 1.0))
+            .replace("<pose>", "<pose relative_to='a::__model__'>")));
+    assert!(close(own.x, 1.0) && close(own.y, 2.5));
+}
+
+#[test]
+fn joints_lie_in_their_child_links() {
+    // The wheel at (1, 2) turned left, its joint 0.5 ahead of it, at (1, 2.5); the other joint is given in the model itself.
+    let ball = "<collision name='c'><geometry><sphere><radius>1</radius></sphere></geometry></collision>";
+    let joints = |of: &str| {
+        one(&format!(
+            "<model name='m'><link name='wheel'><pose>1 2 0 0 0 {FRAC_PI_2}</pose></link>\
+             <joint name='j' type='fixed'><pose>0.5 0 0 0 0 0</pose><parent>k</parent><child>wheel</child></joint>\
+             <joint name='i' type='fixed'><pose relative_to='__model__'>7 0 0 0 0 0</pose><child>wheel</child></joint>\
+             <link name='k'><pose relative_to='{of}'>0.25 0 0 0 0 0</pose>{ball}</link></model>"
+        ))
+    };
+    assert!(close(joints("j").x, 1.0) && close(joints("j").y, 2.75));
+    assert!(close(joints("i").x, 7.25) && close(joints("i").y, 0.0));
+}
+
+#[test]
+fn a_model_is_placed_by_its_placement_frame() {
+    // The frame f, 2 ahead of the model and turned left, is put to (5, 5) without a turn: the model is turned right, and 2
+    // behind along its own x axis, which points down: at (5, 7). Its link, 1 ahead of it, is at (5, 6).
+    let ball = "<collision name='c'><geometry><sphere><radius>1</radius></sphere></geometry></collision>";
+    for frame in ["f", "n::g"] {
+        let placed = one(&format!(
+            "<model name='m' placement_frame='{frame}'><pose>5 5 0 0 0 0</pose><link name='l'><pose>1 0 0 0 0 0</pose>{ball}</link>\
+             <frame name='f'><pose>2 0 0 0 0 {FRAC_PI_2}</pose></frame>\
+             <model name='n'><pose>2 0 0 0 0 0</pose><frame name='g'><pose>0 0 0 0 0 {FRAC_PI_2}</pose></frame></model></model>"
+        ));
+        assert!(close(placed.x, 5.0) && close(placed.y, 6.0), "{placed:?}");
+    }
+}
+
+/// Each of these models once more refers to all within: without a memory, two to the power of thirty steps.
+#[test]
+fn scoped_names_do_not_multiply() {
+    let mut inner = "<frame name='f'/>".to_owned();
+    for _ in 0..30 {
+        inner = format!(
+            "<frame name='f'><pose relative_to='m::f'/></frame><model name='m' placement_frame='f'>{inner}</model>"
+        );
+    }
+    assert!(read(&inner).world.obstacles().is_empty());
+}
+
+#[test]
 fn a_concave_polyline_covers_its_area() {
     let l: String =
         [[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]].map(|[x, y]| format!("<point>{x} {y}</point>")).concat();

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use headway_sim::files::{FileSpec, SdfSpec, Unsupported, WorldFile, write_sdf};
 use headway_sim::{
-    FilePart, FilesSpec, Footprint, Obstacle, Point, Room, Shape, WeightedWorld, World, WorldSource, WorldSpec,
+    CrowdSpec, FilePart, FilesSpec, Footprint, Interval, Obstacle, Point, Room, Shape, WeightedWorld, World,
+    WorldSource, WorldSpec,
 };
 
 use crate::common::{document, model};
@@ -202,6 +203,30 @@ fn a_mixture_draws_from_files_and_from_a_room() {
     let n_files = (0..400).filter(is_file).count();
     // 300 expected, with a standard deviation of 8.7.
     assert!((265..335).contains(&n_files), "{n_files}");
+}
+
+#[test]
+fn files_with_a_crowd_are_the_files_and_a_crowd() {
+    let folder = tempfile::tempdir().unwrap();
+    discs(folder.path(), 3);
+    let still = FilesSpec { paths: vec![folder.path().into()], ..FilesSpec::default() };
+    let lively = FilesSpec { crowd: Some(CrowdSpec::default()), ..still.clone() };
+    let [a, b] = [&still, &lively].map(|spec| source(spec).unwrap());
+    for index in 0..20 {
+        let [still, lively] = [&a, &b].map(|source| source.scenario(2, index).unwrap());
+        assert_eq!(still.world.obstacles(), lively.world.static_obstacles());
+        assert_eq!((still.start, still.goal), (lively.start, lively.goal));
+        let crowd = lively.crowd.unwrap();
+        assert_eq!(Some(&crowd), b.scenario(2, index).unwrap().crowd.as_ref());
+        let start: Point = still.start.translation.vector.into();
+        for mover in crowd.movers() {
+            assert!(still.world.distance(&mover.position) >= mover.radius + 0.3);
+            assert!(nalgebra::distance(&mover.position, &start) >= mover.radius + 0.25 + 0.3);
+        }
+    }
+    let full = CrowdSpec { n_movers: Interval::Fixed(900.0), ..CrowdSpec::default() };
+    let error = source(&FilesSpec { crowd: Some(full), ..still }).unwrap_err();
+    assert!(error.contains("w_1.world: cannot place mover "), "{error}");
 }
 
 #[test]

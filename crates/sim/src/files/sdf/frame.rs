@@ -67,6 +67,11 @@ impl Frame {
         Self { pose: self.pose * inner.pose, yaw }
     }
 
+    /// The outer frame, given in this one.
+    pub(super) fn inverse(&self) -> Self {
+        Self { pose: self.pose.inverse(), yaw: self.yaw.map(|yaw| -yaw) }
+    }
+
     fn is_identity(&self) -> bool {
         self.yaw == Some(0.0) && self.pose.translation == Translation3::identity()
     }

@@ -5,7 +5,7 @@ use roxmltree::{Document, Node};
 
 use super::body::{Body, Geometry, parse};
 use super::frame::Frame;
-use super::scope::Scope;
+use super::scope::Frames;
 use super::slice::slice;
 use super::write::{NAMESPACE, SCENARIO, WALL};
 use super::xml::{elements, name_of, numbers, refusal};
@@ -30,8 +30,15 @@ pub(super) fn read(document: &Document<'_>, spec: &SdfSpec) -> Result<WorldFile,
     let root = document.root_element();
     check_root(root)?;
     let world = the_world(root)?;
-    let mut reader = Reader { spec, obstacles: Vec::new(), n_corners: 0, unsupported: Vec::new(), n_unlisted: 0 };
-    reader.models(&Scope::new(world), &Frame::identity(), 0)?;
+    let mut reader = Reader {
+        spec,
+        frames: Frames::default(),
+        obstacles: Vec::new(),
+        n_corners: 0,
+        unsupported: Vec::new(),
+        n_unlisted: 0,
+    };
+    reader.models(world, &Frame::identity(), 0)?;
     reader.finish(world)
 }
 
@@ -62,18 +69,19 @@ fn the_world<'a, 'i: 'a>(root: Node<'a, 'i>) -> Result<Node<'a, 'i>, FileError> 
     }
 }
 
-struct Reader<'s> {
+struct Reader<'s, 'a, 'i> {
     spec: &'s SdfSpec,
+    frames: Frames<'a, 'i>,
     obstacles: Vec<Obstacle>,
     n_corners: usize,
     unsupported: Vec<String>,
     n_unlisted: usize,
 }
 
-impl Reader<'_> {
+impl<'a, 'i: 'a> Reader<'_, 'a, 'i> {
     /// The models of a world or a model whose frame is `outer`.
-    fn models<'a, 'i: 'a>(&mut self, scope: &Scope<'a, 'i>, outer: &Frame, depth: usize) -> Result<(), FileError> {
-        for element in elements(scope.node) {
+    fn models(&mut self, scope: Node<'a, 'i>, outer: &Frame, depth: usize) -> Result<(), FileError> {
+        for element in elements(scope) {
             match element.tag_name().name() {
                 "model" if is_wall(element) => {}
                 "model" => self.model(element, scope, outer, depth)?,
@@ -85,34 +93,24 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn model<'a, 'i: 'a>(
-        &mut self,
-        node: Node<'a, 'i>,
-        scope: &Scope<'a, 'i>,
-        outer: &Frame,
-        depth: usize,
-    ) -> Result<(), FileError> {
+    fn model(&mut self, node: Node<'a, 'i>, scope: Node<'a, 'i>, outer: &Frame, depth: usize) -> Result<(), FileError> {
         if depth == DEEPEST {
             let allowed = format!("at most {DEEPEST} models within each other");
             return Err(refusal(node, FieldError::new("nesting", depth + 1, allowed)));
         }
-        if let Some(frame) = node.attribute("placement_frame").filter(|frame| !frame.is_empty()) {
-            let allowed = "absent: a model is placed by its own frame";
-            return Err(refusal(node, FieldError::new("placement_frame", quoted(frame), allowed)));
-        }
-        let frame = outer.then(&scope.frame_of(node, &Frame::identity())?);
-        self.models(&Scope::new(node), &frame, depth + 1)
+        let frame = outer.then(&self.frames.frame_of(scope, node, &Frame::identity())?);
+        self.models(node, &frame, depth + 1)
     }
 
-    fn link<'a, 'i: 'a>(&mut self, link: Node<'a, 'i>, scope: &Scope<'a, 'i>, model: &Frame) -> Result<(), FileError> {
-        let frame = scope.frame_of(link, &Frame::identity())?;
+    fn link(&mut self, link: Node<'a, 'i>, scope: Node<'a, 'i>, model: &Frame) -> Result<(), FileError> {
+        let frame = self.frames.frame_of(scope, link, &Frame::identity())?;
         for collision in elements(link).filter(|child| child.has_tag_name("collision")) {
             match parse(collision)? {
                 Geometry::Empty => {}
                 Geometry::Unsupported(what) => self.leave_out(collision, what),
                 Geometry::Body(body) => {
                     self.count_corners(&body, collision)?;
-                    let place = model.then(&scope.frame_of(collision, &frame)?);
+                    let place = model.then(&self.frames.frame_of(scope, collision, &frame)?);
                     for obstacle in slice(&body, &place, self.spec.slice_height) {
                         self.push(obstacle, collision)?;
                     }

@@ -115,7 +115,9 @@ pub(super) fn name_of(node: Node<'_, '_>) -> String {
     let mut names: Vec<_> = node
         .ancestors()
         .filter(|n| {
-            ["model", "link", "collision", "frame", "include", "actor", "population"].iter().any(|t| n.has_tag_name(*t))
+            ["model", "link", "joint", "collision", "frame", "include", "actor", "population"]
+                .iter()
+                .any(|t| n.has_tag_name(*t))
         })
         .map(|n| match n.attribute("name") {
             Some(name) => format!("{} {}", n.tag_name().name(), quoted(name)),

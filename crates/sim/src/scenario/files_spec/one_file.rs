@@ -3,12 +3,14 @@
 use std::path::PathBuf;
 
 use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
 
 use super::FilesSpec;
 use super::other_end::{goal_for, start_for};
 use crate::files::{self, FileError, FileProblem, WorldFile};
+use crate::scenario::populate::populate;
 use crate::scenario::{GoalRule, Scenario, generate};
-use crate::{FieldError, Footprint, Point, Pose, SimError};
+use crate::{CrowdSpec, FieldError, Footprint, Point, Pose, SimError};
 
 /// A file, read, with the start and the goal that the spec gives instead of its own.
 #[derive(Debug, Clone)]
@@ -56,8 +58,14 @@ impl OneFile {
     }
 
     /// A scenario, with what is not given drawn at random.
-    pub(super) fn scenario(&self, footprint: &Footprint, mut rng: impl RngExt) -> Result<Scenario, SimError> {
-        let (world, rule, rng) = (&self.file.world, &self.rule, &mut rng);
+    pub(super) fn scenario(
+        &self,
+        footprint: &Footprint,
+        mut ends: impl RngExt,
+        crowd: Option<&CrowdSpec>,
+        crowd_rng: ChaCha8Rng,
+    ) -> Result<Scenario, SimError> {
+        let (world, rule, rng) = (&self.file.world, &self.rule, &mut ends);
         let ends = match (self.file.start, self.file.goal) {
             (Some(start), Some(goal)) => Ok((start, goal)),
             (Some(start), None) => goal_for(&start, rule, world, footprint, rng).map(|goal| (start, goal)),
@@ -65,7 +73,8 @@ impl OneFile {
             (None, None) => generate::start_and_goal(rule, world, footprint, rng),
         };
         let (start, goal) = ends.map_err(|e| self.refusal(e))?;
-        Ok(Scenario { world: world.clone(), start, goal, goal_rule: *rule, crowd: None })
+        let scenario = Scenario { world: world.clone(), start, goal, goal_rule: *rule, crowd: None };
+        populate(scenario, crowd, footprint, crowd_rng).map_err(|e| self.refusal(e))
     }
 
     /// What does not work out in this file.
