@@ -8,8 +8,8 @@ use crate::{Confidence, StatsError};
 
 /// How a bootstrap is done: number of resamples, confidence, and the seed of its random stream.
 ///
-/// The default, 10 000 resamples, 95 % and seed 0, suits tables; 2 000 suit plots of profiles. An end at tail probability
-/// q has a Monte-Carlo error of `sqrt(q (1 - q) / n_resamples)` in probability: 0.0016 of 0.025 at 10 000.
+/// The default, 10 000 resamples, 95 % and seed 0, suits tables; 2 000 suit plots of profiles. An end at tail
+/// probability q has a Monte-Carlo error of `sqrt(q (1 - q) / n_resamples)` in probability: 0.0016 of 0.025 at 10 000.
 ///
 /// ```
 /// use headway_stats::{Bootstrap, Confidence};
@@ -98,9 +98,9 @@ impl Bootstrap {
     }
 }
 
-/// Any statistic of independent units with its percentile bootstrap interval: units are redrawn with replacement, and the
-/// interval runs between quantiles of the statistic of the resamples (Efron, 1979, "Bootstrap Methods: Another Look at
-/// the Jackknife").
+/// Any statistic of independent units with its percentile bootstrap interval: units are redrawn with replacement, and
+/// the interval runs between quantiles of the statistic of the resamples (Efron, 1979, "Bootstrap Methods: Another Look
+/// at the Jackknife").
 ///
 /// A unit may be any value: a seed's score, a pair of scores, a whole scenario. The statistic must not depend on the
 /// units' order. Not for fewer than three units, nor for extremes (a maximum's resamples never pass it).

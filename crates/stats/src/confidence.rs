@@ -40,8 +40,8 @@ impl Confidence {
 
     /// The quantile of the standard normal distribution at the upper end: z with `P(|Z| <= z)` = the confidence.
     ///
-    /// Newton's method on the upper tail `Q(z) = erfc(z / sqrt 2) / 2`, which is convex for z > 0: from z = 0 it rises to
-    /// the solution and never passes it.
+    /// Newton's method on the upper tail `Q(z) = erfc(z / sqrt 2) / 2`, which is convex for z > 0: from z = 0 it rises
+    /// to the solution and never passes it.
     pub fn z(self) -> f64 {
         let (tail, _) = self.tails();
         let mut z = 0.0_f64;

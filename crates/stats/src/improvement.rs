@@ -4,11 +4,12 @@ use crate::bootstrap::redraw;
 use crate::{Bootstrap, Interval, Scores, StatsError};
 
 /// The probability that a run of X beats a run of Y in a task, averaged over the tasks:
-/// `P = 1/M sum_m U_m / (N_x N_y)`, where `U_m` counts the pairs of runs in which X scores more, and ties by half (Mann &
-/// Whitney, 1947; Agarwal et al., 2021, section 4.3).
+/// `P = 1/M sum_m U_m / (N_x N_y)`, where `U_m` counts the pairs of runs in which X scores more, and ties by half (Mann
+/// & Whitney, 1947; Agarwal et al., 2021, section 4.3).
 ///
 /// It is in [0, 1], 1/2 where neither is better, and says nothing of *how much* better. Runs are not paired: where both
-/// arms drove the same scenarios from the same seeds, [`paired_differences`](crate::paired_differences) sees smaller effects.
+/// arms drove the same scenarios from the same seeds, [`paired_differences`](crate::paired_differences) sees smaller
+/// effects.
 ///
 /// # Errors
 /// If the arms differ in the number of tasks; that of runs may differ.
@@ -28,8 +29,8 @@ pub fn probability_of_improvement(x: &Scores, y: &Scores) -> Result<f64, StatsEr
     Ok(pair.probability())
 }
 
-/// The [probability of improvement](probability_of_improvement) with its stratified bootstrap interval: in every resample
-/// the runs of both arms are redrawn, independently, within each task.
+/// The [probability of improvement](probability_of_improvement) with its stratified bootstrap interval: in every
+/// resample the runs of both arms are redrawn, independently, within each task.
 ///
 /// X is better beyond the luck of the seeds where the interval lies above 1/2. Not for fewer than three runs of either
 /// arm, and too wide or narrow where one policy drives in all tasks (see

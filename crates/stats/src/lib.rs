@@ -1,9 +1,10 @@
 //! The statistics of comparing policies.
 //!
-//! The *unit* is what was drawn independently: the training seed, for all episodes of a policy share its luck, and pooled
-//! episodes would give intervals that are far too narrow. Scores stand in a matrix, [`Scores`], of N runs (one per seed)
-//! by M tasks (worlds, scenarios), and intervals come from redrawing the runs within each task (Agarwal, Schwarzer,
-//! Castro, Courville & Bellemare, 2021, "Deep Reinforcement Learning at the Edge of the Statistical Precipice").
+//! The *unit* is what was drawn independently: the training seed, for all episodes of a policy share its luck, and
+//! pooled episodes would give intervals that are far too narrow. Scores stand in a matrix, [`Scores`], of N runs (one
+//! per seed) by M tasks (worlds, scenarios), and intervals come from redrawing the runs within each task (Agarwal,
+//! Schwarzer, Castro, Courville & Bellemare, 2021, "Deep Reinforcement Learning at the Edge of the Statistical
+//! Precipice").
 //!
 //! | question | answer |
 //! |---|---|
@@ -13,8 +14,8 @@
 //! | at what score does it break down? | [`performance_profile`] |
 //! | what is the success rate of one policy? | [`wilson`]; [`cluster_bootstrap`] where episodes share scenarios |
 //!
-//! An interval says what other seeds might have given. It does not repair what is shared by all of them: few seeds (below
-//! five, percentile intervals are too narrow; below three, meaningless), scenarios tuned on, or the best of many
+//! An interval says what other seeds might have given. It does not repair what is shared by all of them: few seeds
+//! (below five, percentile intervals are too narrow; below three, meaningless), scenarios tuned on, or the best of many
 //! checkpoints. The crate knows numbers only: no policy, no simulator, no file. Equal values and equal seeds give equal
 //! bytes.
 //!

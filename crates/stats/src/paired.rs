@@ -17,9 +17,9 @@ pub enum Unit {
 /// percentile bootstrap interval over the unit (Efron, 1979), in the units of the scores.
 ///
 /// Each unit gives one difference, its mean over the other side, so what both arms met alike (a hard scenario, a lucky
-/// start) cancels: the interval is far narrower than that of two separate means. Above 0, X is better beyond the luck of the unit;
-/// it says nothing of the luck of the other side. Not for fewer than three units, and only for arms whose rows and
-/// columns belong together: row k of both is seed k, column m scenario m.
+/// start) cancels: the interval is far narrower than that of two separate means. Above 0, X is better beyond the luck
+/// of the unit; it says nothing of the luck of the other side. Not for fewer than three units, and only for arms whose
+/// rows and columns belong together: row k of both is seed k, column m scenario m.
 ///
 /// # Errors
 /// If the arms differ in the number of runs or tasks.
@@ -50,7 +50,8 @@ pub fn paired_differences(x: &Scores, y: &Scores, unit: Unit, how: &Bootstrap) -
 }
 
 /// The mean of all values of all clusters with its cluster bootstrap interval: clusters are redrawn whole, so that the
-/// correlation within them is kept (Davison & Hinkley, 1997, section 3.8): `sum of values / number of values` of each resample.
+/// correlation within them is kept (Davison & Hinkley, 1997, section 3.8): `sum of values / number of values` of each
+/// resample.
 ///
 /// A cluster is the values that share their luck: all episodes in one scenario, or of one seed. Clusters may differ in
 /// size; empty ones, as where a time is undefined, are left out. For arms that share scenarios but not their number of

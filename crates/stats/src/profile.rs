@@ -9,15 +9,18 @@ use crate::{Bootstrap, Interval, Scores, StatsError};
 pub enum Profile {
     /// The share of all N M scores above tau: the run-score distribution, unbiased for any number of runs.
     Runs,
-    /// The share of the M tasks whose mean over the runs lies above tau: the average-score distribution, biased for few runs.
+    /// The share of the M tasks whose mean over the runs lies above tau: the average-score distribution, biased for few
+    /// runs.
     TaskMeans,
 }
 
 /// A performance profile: at each tau the share of scores above it, `F(tau) = 1/(N M) sum 1[x_nm > tau]`, with its
-/// pointwise stratified bootstrap interval (Agarwal et al., 2021, section 4.2; after Dolan & Moré, 2002). In the order of `taus`.
+/// pointwise stratified bootstrap interval (Agarwal et al., 2021, section 4.2; after Dolan & Moré, 2002). In the order
+/// of `taus`.
 ///
 /// Where the profile of X lies above that of Y at every tau, X is better by every monotone measure. The bands are
-/// pointwise: at 95 %, a curve of many taus leaves its band somewhere more often than once in twenty. Not for fewer than three runs.
+/// pointwise: at 95 %, a curve of many taus leaves its band somewhere more often than once in twenty. Not for fewer
+/// than three runs.
 ///
 /// # Errors
 /// If a tau is not a number.

@@ -2,7 +2,8 @@
 
 use crate::StatsError;
 
-/// Scores of N runs (training seeds) in M tasks (worlds, scenarios), `[n_runs, n_tasks]`, row-major; finite and not empty.
+/// Scores of N runs (training seeds) in M tasks (worlds, scenarios), `[n_runs, n_tasks]`, row-major; finite and not
+/// empty.
 ///
 /// Scores that are averaged over tasks must mean the same in each: success rates, or returns divided by a reference.
 ///

@@ -7,7 +7,8 @@ use crate::{Confidence, Interval, StatsError};
 /// `(p + z^2/2n ± z sqrt(p (1 - p)/n + z^2/4n^2)) / (1 + z^2/n)`, within [0, 1].
 ///
 /// For the rates of *one* policy, whose episodes in scenarios of their own are the unit. Where several episodes share a
-/// scenario, see [`cluster_bootstrap`](crate::cluster_bootstrap); over several seeds, [`over_seeds`](crate::over_seeds).
+/// scenario, see [`cluster_bootstrap`](crate::cluster_bootstrap); over several seeds,
+/// [`over_seeds`](crate::over_seeds).
 ///
 /// # Errors
 /// If there is no trial, or fewer trials than successes.

@@ -1,6 +1,7 @@
 //! The same random scores by PyPI's `rliable`, whose authors' paper the estimators are from.
 //!
-//! Needs a Python with `tests/rliable/requirements.txt` installed, named by `HEADWAY_RLIABLE_PYTHON`; the checks make one:
+//! Needs a Python with `tests/rliable/requirements.txt` installed, named by `HEADWAY_RLIABLE_PYTHON`; the checks make
+//! one:
 //!
 //! ```text
 //! python3 -m venv VENV && VENV/bin/pip install -r crates/stats/tests/rliable/requirements.txt
@@ -60,8 +61,8 @@ struct Answer {
     high: Option<f64>,
 }
 
-/// Up to 12 runs in up to 6 tasks; scores are whole hundredths, so that there are ties, and no threshold is near one, nor
-/// near a mean of them.
+/// Up to 12 runs in up to 6 tasks; scores are whole hundredths, so that there are ties, and no threshold is near one,
+/// nor near a mean of them.
 fn case(rng: &mut ChaCha8Rng, place: usize) -> Case {
     let mut below = |n: u32| rng.next_u32() % n;
     let (n_tasks, gamma) = (1 + below(6), 0.5 + f64::from(below(100)) / 100.0);
@@ -151,11 +152,12 @@ impl Tally {
     }
 }
 
-/// Compares the ends of intervals, with a tolerance of `z` standard errors of the difference of two independent bootstraps.
+/// Compares the ends of intervals, with a tolerance of `z` standard errors of the difference of two independent
+/// bootstraps.
 ///
 /// The end at tail q of n resamples lies at a probability whose standard error is `sqrt(q (1 - q) / n)`, whatever the
-/// distribution: that of the difference is `s = sqrt(q (1 - q) (1 / n_ours + 1 / n_theirs))`. So their end must lie between
-/// our quantiles at `q - z s` and `q + z s`, which are the ends of our intervals at two other confidences.
+/// distribution: that of the difference is `s = sqrt(q (1 - q) (1 / n_ours + 1 / n_theirs))`. So their end must lie
+/// between our quantiles at `q - z s` and `q + z s`, which are the ends of our intervals at two other confidences.
 fn compare(cases: &[Case], answers: &[BTreeMap<String, Answer>], z: f64, wanted: fn(&str) -> bool) -> Tally {
     let error = (TAIL * (1.0 - TAIL) * (1.0 / N_OURS as f64 + 1.0 / N_THEIRS as f64)).sqrt();
     let with_tail = |tail: f64| {
