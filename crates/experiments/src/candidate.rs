@@ -7,7 +7,6 @@ use std::sync::Arc;
 use headway_env::{Control, Mdp, NavSpec};
 use headway_planning::{Controller, DriverSpec, ShieldSpec};
 use headway_policy::{Driver, Policy};
-use headway_sim::VehicleSpec;
 use serde::Serialize;
 use toml::Value;
 

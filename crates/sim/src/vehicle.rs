@@ -10,13 +10,8 @@ use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
-<<<<<<< HEAD
-use crate::{Footprint, Pose, Proximity, Twist, World};
-use body::Body;
-=======
 use crate::{Crowd, Footprint, Mover, Pose, Proximity, Twist, World};
-use body::{Body, Dynamics, Stretch};
->>>>>>> 990387d44c0dda140710029deaf029ffcda02d22
+use body::Body;
 
 pub use actuation::ActuationSpec;
 pub use body::{Dynamics, Stretch, Wheels};

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::{Clip, Reference, Run};
 use crate::episode::Outcome;
-use crate::stats::{Clustered, Estimate, clustered, over_units};
+use headway_stats::{Clustered, Estimate, clustered, over_units};
 
 /// 95 % intervals of the figures of all worlds for other worlds like these: runs of one world are alike, so that intervals over
 /// the runs are too narrow for that.
@@ -54,7 +54,11 @@ impl OverWorlds {
 mod tests {
     use super::super::Source;
     use super::*;
-    use crate::stats::wilson;
+    use headway_stats::{Confidence, Interval};
+
+    fn wilson(successes: usize, n: usize) -> (f64, f64) {
+        headway_stats::wilson(successes, n, Confidence::default()).map(Interval::ends).unwrap()
+    }
 
     #[test]
     fn runs_that_are_alike_in_each_world_count_once() {
@@ -62,8 +66,8 @@ mod tests {
         let [good, bad] = [Outcome::Success, Outcome::Collision].map(|outcome| vec![Run { outcome, time: 10.0 }; 10]);
         let worlds: Vec<(Reference, &[Run])> = [&good, &good, &good, &bad].map(|runs| (reference, &runs[..])).into();
         let over = OverWorlds::of(&worlds).unwrap();
-        assert_eq!((over.success.low, over.success.high), wilson(3, 4).unwrap());
-        assert_eq!((over.collision.low, over.collision.high), wilson(1, 4).unwrap());
+        assert_eq!((over.success.low, over.success.high), wilson(3, 4));
+        assert_eq!((over.collision.low, over.collision.high), wilson(1, 4));
         assert_eq!((over.score_2023.mean, over.score_2023.high), (Some(0.375), Some(0.5)));
         assert_eq!(OverWorlds::of(&worlds[..2]), None);
     }

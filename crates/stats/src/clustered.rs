@@ -2,7 +2,9 @@
 
 use serde::Serialize;
 
-use super::{MIN_UNITS, wilson_of};
+use crate::Confidence;
+use crate::seeds::MIN_UNITS;
+use crate::wilson::wilson_of;
 
 /// A 95 % interval of a rate, with the clusters of trials as the unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -26,13 +28,14 @@ pub struct Clustered {
 /// are: then each cluster counts as one.
 ///
 /// ```
-/// use headway_experiments::stats::{clustered, wilson};
+/// use headway_stats::{Confidence, clustered, wilson};
+/// let independent_trials = |successes, n| wilson(successes, n, Confidence::default()).map(headway_stats::Interval::ends);
 /// // Ten trials each, of which all or none succeed, tell no more than one each.
 /// let alike = clustered(&[(10, 10), (10, 10), (10, 10), (0, 10)]).unwrap();
-/// assert_eq!((alike.low, alike.high), wilson(3, 4).unwrap());
+/// assert_eq!(Ok((alike.low, alike.high)), independent_trials(3, 4));
 /// // Where the clusters do not differ, all trials count.
 /// let independent = clustered(&[(5, 10), (5, 10), (5, 10), (5, 10)]).unwrap();
-/// assert_eq!((independent.low, independent.high), wilson(20, 40).unwrap());
+/// assert_eq!(Ok((independent.low, independent.high)), independent_trials(20, 40));
 /// ```
 #[must_use]
 pub fn clustered(clusters: &[(usize, usize)]) -> Option<Clustered> {
@@ -47,7 +50,7 @@ pub fn clustered(clusters: &[(usize, usize)]) -> Option<Clustered> {
     let variance = k / (k - 1.0) * squares / (n * n);
     let is_mixed = successes > 0.0 && successes < n;
     let effective_n = if is_mixed { (p * (1.0 - p) / variance).clamp(k, n) } else { k };
-    let (low, high) = wilson_of(p, effective_n);
+    let (low, high) = wilson_of(p, effective_n, Confidence::default()).ends();
     Some(Clustered { low, high, effective_n })
 }
 
@@ -55,8 +58,11 @@ pub fn clustered(clusters: &[(usize, usize)]) -> Option<Clustered> {
 mod tests {
     use proptest::prelude::*;
 
-    use super::super::wilson;
     use super::*;
+
+    fn wilson(successes: usize, n: usize) -> (f64, f64) {
+        crate::wilson(successes, n, Confidence::default()).unwrap().ends()
+    }
 
     #[test]
     fn by_hand() {
@@ -68,9 +74,9 @@ mod tests {
     #[test]
     fn where_all_end_alike_clusters_count_as_one() {
         let all = clustered(&[(10, 10); 5]).unwrap();
-        assert_eq!((all.low, all.high, all.effective_n), (wilson(5, 5).unwrap().0, 1.0, 5.0));
+        assert_eq!((all.low, all.high, all.effective_n), (wilson(5, 5).0, 1.0, 5.0));
         let none = clustered(&[(0, 10); 5]).unwrap();
-        assert_eq!((none.low, none.high), wilson(0, 5).unwrap());
+        assert_eq!((none.low, none.high), wilson(0, 5));
     }
 
     #[test]
@@ -86,7 +92,7 @@ mod tests {
         ) {
             let interval = clustered(&clusters).unwrap();
             let (successes, n) = clusters.iter().fold((0, 0), |(a, b), (x, m)| (a + x, b + m));
-            let (low, high) = wilson(successes, n).unwrap();
+            let (low, high) = wilson(successes, n);
             let p = successes as f64 / n as f64;
             prop_assert!(interval.low <= p && p <= interval.high);
             prop_assert!(interval.low <= low + 1e-12 && high - 1e-12 <= interval.high);
@@ -98,7 +104,7 @@ mod tests {
         fn copies_of_one_trial_a_cluster_count_as_one(ends in prop::collection::vec(any::<bool>(), 3..40), copies in 1_usize..20) {
             let clusters: Vec<_> = ends.iter().map(|end| (usize::from(*end) * copies, copies)).collect();
             let interval = clustered(&clusters).unwrap();
-            let expected = wilson(ends.iter().filter(|end| **end).count(), ends.len()).unwrap();
+            let expected = wilson(ends.iter().filter(|end| **end).count(), ends.len());
             prop_assert!((interval.low - expected.0).abs() < 1e-12 && (interval.high - expected.1).abs() < 1e-12);
         }
     }
