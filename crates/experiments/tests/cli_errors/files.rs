@@ -79,8 +79,12 @@ fn a_run_of_a_bad_spec_creates_no_folder() {
 #[test]
 fn the_help_says_what_the_json_is() {
     let folder = TempDir::new().unwrap();
-    for (command, per) in [("report", "one per cell and world"), ("evaluate", "one per world")] {
+    for (command, said) in [
+        ("report", "JSON, a list of objects: one per cell and world"),
+        ("evaluate", "a list of objects, one per world"),
+        ("evaluate", "over_worlds    95 % intervals with the world as the unit"),
+    ] {
         let help = String::from_utf8(experiments(folder.path(), &[command, "--help"]).stdout).unwrap();
-        assert!(help.contains(&format!("JSON, a list of objects: {per}")), "{help}");
+        assert!(help.contains(said), "{help}");
     }
 }

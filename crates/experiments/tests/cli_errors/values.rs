@@ -312,7 +312,7 @@ fn robots() {
             "[vehicle]\npreset = \"husky\"",
             &[],
             "spec.toml:2: vehicle.preset = \"husky\": unknown choice. Known: `default`, `turtlebot3_burger`, \
-             `turtlebot3_waffle`, `jackal`, `jackal_gazebo`",
+             `turtlebot3_waffle`, `jackal`, `jackal_gazebo`, `f1tenth`, `ridgeback`",
         ),
         (
             "[vehicle]\ndrive = { type = \"ackermann\", wheelbase = 0.3, max_steering_angle = 2.0, max_steering_rate = 1.0 }",
