@@ -249,7 +249,7 @@ fn shipped_grids_have_the_cells_they_promise() {
     assert_eq!(shipped("default.toml").n_runs(), 5);
     let quick: Vec<_> = shipped("quick.toml").cells.iter().map(headway_experiments::spec::Cell::label).collect();
     assert_eq!(quick, ["arm=R agent=DDQN", "arm=R_couple agent=DDQN", "arm=recommended agent=DDQN"]);
-    assert_eq!(shipped("table1.toml").n_runs(), 4 * 2 * 2 * 10);
+    assert_eq!(shipped("table1.toml").n_runs(), 4 * 3 * 2 * 20);
 }
 
 #[test]
