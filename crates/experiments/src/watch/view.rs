@@ -1,13 +1,17 @@
 //! The table that is shown.
 
 use super::{RunProgress, Stage, sparkline};
+use crate::collapse::Collapse;
 use crate::report::layout::{Align, Column, lines, width};
-use crate::store::Index;
+use crate::store::{Cell, Index};
 use crate::train::MetricsRow;
 
 /// Columns that the bar of a training and the curve of its return take.
 const BAR: usize = 10;
 const CURVE: usize = 16;
+/// Columns that are kept for the last one, and lines for what is no run: title, header, foot, and where the cursor stands.
+const LAST: usize = 18;
+const N_OTHER_LINES: usize = 7;
 /// What stands where there is no number.
 const UNDEFINED: &str = "–";
 
@@ -37,10 +41,9 @@ impl View {
     /// The view of a grid's runs, in a terminal of so many columns and lines. Where there is no room for all columns, the least
     /// important ones leave; where there is none for all runs, those that are done or waiting do, and a line says how many.
     pub fn new(index: &Index, runs: &[RunProgress], n_columns: usize, n_lines: usize) -> Self {
-        const N_HEADER_AND_FOOT: usize = 6;
-        let shown = shown(runs, n_lines.saturating_sub(N_HEADER_AND_FOOT).max(1));
+        let shown = shown(runs, n_lines.saturating_sub(N_OTHER_LINES).max(1));
         let mut columns = columns(index, &shown);
-        while width(&columns.iter().map(|(_, column)| column).collect::<Vec<_>>()) > n_columns {
+        while fixed_width(&columns) + LAST > n_columns {
             let Some(least) = columns.iter().map(|(rank, _)| *rank).max().filter(|rank| *rank > 0) else { break };
             columns.retain(|(rank, _)| *rank != least);
         }
@@ -50,8 +53,23 @@ impl View {
         if shown.len() < runs.len() {
             lines.push((format!("and {} more runs, done or waiting", runs.len() - shown.len()), Tone::Faint));
         }
+        lines.extend(worlds(index).map(|worlds| (worlds, Tone::Faint)));
         Self { title: title(index, runs), lines }
     }
+}
+
+/// The width of all columns but the last, whose text may be cut off at the right.
+fn fixed_width(columns: &[(u8, Column)]) -> usize {
+    let but_last = &columns[..columns.len() - 1];
+    width(&but_last.iter().map(|(_, column)| column).collect::<Vec<_>>())
+}
+
+/// Which numbers of success stand beside each other, if they are of the same worlds in every line.
+fn worlds(index: &Index) -> Option<String> {
+    let of_cell = |cell: &Cell| cell.evaluations.iter().map(|e| e.world.clone()).collect::<Vec<_>>();
+    let first = index.cells.first().map(of_cell).filter(|worlds| !worlds.is_empty())?;
+    let is_common = index.cells.iter().all(|cell| of_cell(cell) == first);
+    is_common.then(|| format!("success in {}; return: of training episodes, exploration included", first.join(" / ")))
 }
 
 /// How far the grid is: `table1: 3 of 40 runs done, 2 training, 35 waiting; 1 of 4 collapsed`.
@@ -112,14 +130,14 @@ fn columns(index: &Index, runs: &[&RunProgress]) -> Vec<(u8, Column)> {
     let others = [
         (0, column(Align::Right, "seed", &|run| run.seed.to_string())),
         (0, column(Align::Left, "", &|run| stage_name(run.stage).to_owned())),
-        (3, column(Align::Left, "progress", &bar)),
-        (1, column(Align::Right, "env steps", &|run| cell(run.rows.last(), |row| grouped(row.env_steps)))),
-        (4, column(Align::Right, "steps/s", &|run| cell(run.steps_per_second, |rate| grouped(rate as u64)))),
-        (5, column(Align::Right, "left", &|run| cell(run.seconds_left(), time))),
+        (1, column(Align::Left, "progress", &bar)),
+        (4, column(Align::Right, "env steps", &|run| cell(run.rows.last(), |row| grouped(row.env_steps)))),
+        (5, column(Align::Right, "steps/s", &|run| cell(run.steps_per_second, |rate| grouped(rate as u64)))),
+        (6, column(Align::Right, "left", &|run| cell(run.seconds_left(), time))),
         (2, column(Align::Left, "return", &|run| sparkline(&returns(run), CURVE))),
-        (1, column(Align::Right, "last", &|run| cell(returns(run).last(), |value| short(*value)))),
-        (6, column(Align::Right, "arrived %", &|run| cell(last(|row| row.arrived)(run), percent))),
-        (7, column(Align::Right, "loss", &|run| cell(last(|row| row.loss)(run), short))),
+        (3, column(Align::Right, "last", &|run| cell(returns(run).last(), |value| short(*value)))),
+        (7, column(Align::Right, "arrived %", &|run| cell(last(|row| row.arrived)(run), percent))),
+        (8, column(Align::Right, "loss", &|run| cell(last(|row| row.loss)(run), short))),
         (0, column(Align::Right, "success %", &success)),
         (0, column(Align::Left, "collapsed", &collapsed)),
     ];
@@ -158,7 +176,7 @@ fn success(run: &RunProgress) -> String {
 }
 
 fn collapsed(run: &RunProgress) -> String {
-    run.collapse.iter().map(|collapse| collapse.short()).collect::<Vec<_>>().join(", ")
+    run.collapse.iter().map(Collapse::short).collect::<Vec<_>>().join(", ")
 }
 
 /// Digits in groups of three: `12 500`.
