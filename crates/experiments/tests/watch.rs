@@ -119,12 +119,12 @@ fn the_view_is_a_line_for_each_run() {
     assert_eq!(tones, [Tone::Plain, Tone::Faint, Tone::Plain, Tone::Alarm, Tone::Active, Tone::Faint]);
     let lines: Vec<_> = view.lines.iter().map(|(line, _)| line.as_str()).collect();
     let expected = "
-agent  seed            progress           env steps  steps/s  left  return    last  arrived %  loss  success %  collapsed
-─────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────
-DQN       0  done      ██████████ 100 %      80 000   20 000     –  ▁▂▃▄▅▆▇█  8.00       75.0  0.25   97.5 / –
-DQN       1  training  ██████░░░░  62 %      50 000   20 000  0:02  ▁▃▅▆█     5.00       75.0  0.25      – / –  spins
-DDQN      0  training  ░░░░░░░░░░   0 %           –        –     –               –          –     –      – / –
-DDQN      1  waiting   –                          –        –     –               –          –     –      – / –";
+agent  seed            progress          env steps  steps/s  left  return    last  arrived %  loss  success %  collapsed
+────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────
+DQN       0  done      ██████████ 100 %     80 000   20 000     –  ▁▂▃▄▅▆▇█  8.00       75.0  0.25   97.5 / –
+DQN       1  training  ██████░░░░  62 %     50 000   20 000  0:02  ▁▃▅▆█     5.00       75.0  0.25      – / –  spins
+DDQN      0  training  ░░░░░░░░░░   0 %          –        –     –               –          –     –      – / –
+DDQN      1  waiting   –                         –        –     –               –          –     –      – / –";
     assert_eq!(lines.join("\n"), expected.trim_start_matches('\n'), "\n{}", lines.join("\n"));
     // Less room: what matters least leaves, columns and runs alike.
     let narrow = View::new(&index, &runs, 80, 9);

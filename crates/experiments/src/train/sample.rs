@@ -1,10 +1,10 @@
 //! A few observations of an interval.
 
 /// How many observations a sample has room for: enough to tell a dead unit from a rare one, few enough to cost nothing.
-const CAPACITY: usize = 256;
+const CAPACITY: usize = 128;
 
 /// Observations of an interval, of all copies of the environment and evenly spread over time: `[n, obs_dim]`, `n` at most
-/// 256.
+/// 128.
 #[derive(Debug)]
 pub(super) struct ObsSample {
     obs_dim: usize,
@@ -49,13 +49,13 @@ mod tests {
 
     #[test]
     fn steps_are_spread_over_the_interval() {
-        // 100 steps of 2 copies, 128 looks at most: every step. 1000 steps: every eighth.
-        for (log_every, stride) in [(200, 1), (2000, 8)] {
+        // 50 steps of 2 copies, 64 looks at most: every step. 500 steps: every eighth.
+        for (log_every, stride) in [(100, 1), (1000, 8)] {
             let mut sample = ObsSample::new(2, 1, log_every);
             (0..log_every / 2).for_each(|k| sample.offer(&[k as f32, -1.0]));
             let steps: Vec<f32> = sample.rows().iter().copied().step_by(2).collect();
             assert_eq!(steps[..3], [0.0, stride as f32, 2.0 * stride as f32]);
-            assert!((100..=128).contains(&steps.len()), "{}", steps.len());
+            assert!((50..=64).contains(&steps.len()), "{}", steps.len());
             sample.clear();
             assert!(sample.rows().is_empty());
         }
@@ -65,6 +65,6 @@ mod tests {
     fn many_copies_do_not_all_fit() {
         let mut sample = ObsSample::new(1000, 3, 10_000);
         (0..10).for_each(|_| sample.offer(&[0.0; 3000]));
-        assert_eq!(sample.rows().len(), 256 * 3);
+        assert_eq!(sample.rows().len(), 128 * 3);
     }
 }
