@@ -69,7 +69,7 @@ fn worlds(index: &Index) -> Option<String> {
     let of_cell = |cell: &Cell| cell.evaluations.iter().map(|e| e.world.clone()).collect::<Vec<_>>();
     let first = index.cells.first().map(of_cell).filter(|worlds| !worlds.is_empty())?;
     let is_common = index.cells.iter().all(|cell| of_cell(cell) == first);
-    is_common.then(|| format!("success in {}; return: of training episodes, exploration included", first.join(" / ")))
+    is_common.then(|| format!("success in {}", first.join(" / ")))
 }
 
 /// How far the grid is: `table1: 3 of 40 runs done, 2 training, 35 waiting; 1 of 4 collapsed`.
