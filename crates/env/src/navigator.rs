@@ -323,6 +323,12 @@ impl Navigator {
         self.state.distance
     }
 
+    /// How much nearer the last step came to the goal that was in force, metres; negative if it went away from it.
+    #[must_use]
+    pub fn step_progress(&self) -> f64 {
+        self.state.before.goal_distance - self.state.after.goal_distance
+    }
+
     /// Duration of the last step, seconds: the control period, or the time up to a collision.
     #[must_use]
     pub fn step_duration(&self) -> f64 {

@@ -59,6 +59,9 @@ pub struct EpisodeRecord {
     pub n_decelerations: u32,
     /// Number of decelerations for which nothing ahead gave a reason, see [`EpisodeMeter`].
     pub n_needless_decelerations: u32,
+    /// Mean absolute jerk of the forward speed, m/s^3, see [`EpisodeMeter`]; none where it was not measured.
+    #[serde(default)]
+    pub mean_jerk: Option<f64>,
     /// The numbers that the episode drew by `[randomize]`, `path=value` each, divided by blanks; empty where there are none.
     #[serde(default)]
     pub drawn: String,

@@ -9,10 +9,11 @@ pub use display::Display;
 
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError, mpsc};
+use std::sync::mpsc::{self, Sender};
+use std::sync::{Mutex, PoisonError};
 use std::thread;
 
-use display::Work;
+use display::{Event, Work};
 
 /// One job: what to do it with, and how much work it is.
 #[derive(Debug, Clone)]
@@ -29,6 +30,7 @@ pub struct Progress<'a> {
     total: &'a AtomicU64,
     share: u64,
     reported: AtomicU64,
+    events: &'a Sender<Event>,
 }
 
 impl Progress<'_> {
@@ -38,6 +40,12 @@ impl Progress<'_> {
         let before = self.reported.fetch_add(work, Ordering::Relaxed);
         let counted = work.min(self.share.saturating_sub(before));
         self.total.fetch_add(counted, Ordering::Relaxed);
+    }
+
+    /// Says a line to whoever waits, beside what is shown of the progress.
+    pub fn say(&self, line: String) {
+        // The display hangs up only when all workers have.
+        let _ = self.events.send(Event::Said(line));
     }
 }
 
@@ -70,22 +78,22 @@ pub fn run<I: Sync, T: Send, E: Send>(
 ) -> Result<Vec<T>, E> {
     let queue = Queue { jobs, next: AtomicUsize::new(0), done: AtomicU64::new(0) };
     let results: Mutex<Vec<Option<Result<T, E>>>> = Mutex::new(jobs.iter().map(|_| None).collect());
-    let (finished, events) = mpsc::channel();
+    let (sender, events) = mpsc::channel();
     thread::scope(|scope| {
         for _ in 0..n_workers.get().min(jobs.len()) {
-            let finished = finished.clone();
+            let sender = sender.clone();
             let (queue, results, work) = (&queue, &results, &work);
             scope.spawn(move || {
-                while let Some((i, result)) = queue.run_next(work) {
+                while let Some((i, result)) = queue.run_next(work, &sender) {
                     if result.is_ok() {
                         // The display hangs up only when all workers have.
-                        let _ = finished.send(());
+                        let _ = sender.send(Event::Finished);
                     }
                     lock(results)[i] = Some(result);
                 }
             });
         }
-        drop(finished);
+        drop(sender);
         let amount = jobs.iter().map(|job| job.work).sum();
         display.follow(Work { n_jobs: jobs.len(), amount }, &events, &queue.done);
     });
@@ -107,11 +115,15 @@ struct Queue<'a, I> {
 
 impl<I> Queue<'_, I> {
     /// Takes the next job, if there is one, and does it. A job that fails, or panics, empties the queue.
-    fn run_next<T, E>(&self, work: &impl Fn(&I, &Progress<'_>) -> Result<T, E>) -> Option<(usize, Result<T, E>)> {
+    fn run_next<T, E>(
+        &self,
+        work: &impl Fn(&I, &Progress<'_>) -> Result<T, E>,
+        events: &Sender<Event>,
+    ) -> Option<(usize, Result<T, E>)> {
         let i = self.next.fetch_add(1, Ordering::Relaxed);
         let job = self.jobs.get(i)?;
         let empty_on_panic = EmptyOnDrop(self);
-        let progress = Progress { total: &self.done, share: job.work, reported: AtomicU64::new(0) };
+        let progress = Progress { total: &self.done, share: job.work, reported: AtomicU64::new(0), events };
         let result = work(&job.input, &progress);
         progress.advance(job.work); // a job that does not report counts when it ends
         if result.is_ok() {
@@ -191,7 +203,10 @@ mod tests {
     #[test]
     fn a_job_counts_for_its_share_and_no_more() {
         let total = AtomicU64::new(0);
-        let progress = Progress { total: &total, share: 10, reported: AtomicU64::new(0) };
+        let (events, heard) = mpsc::channel();
+        let progress = Progress { total: &total, share: 10, reported: AtomicU64::new(0), events: &events };
+        progress.say("half way".into());
+        assert_eq!(heard.recv(), Ok(Event::Said("half way".into())));
         progress.advance(4);
         assert_eq!(total.load(Ordering::Relaxed), 4);
         progress.advance(100);

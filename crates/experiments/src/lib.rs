@@ -2,6 +2,7 @@
 
 pub mod candidate;
 pub mod cli;
+pub mod collapse;
 mod difference;
 pub mod episode;
 mod error;
@@ -13,7 +14,9 @@ pub mod protocol;
 pub mod report;
 pub mod spec;
 pub mod store;
+pub mod tensorboard;
 pub mod train;
+pub mod watch;
 
 pub use cli::main;
 pub use error::Error;

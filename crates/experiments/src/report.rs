@@ -1,12 +1,14 @@
 //! What a results folder says: success, collisions, timeouts and speeds of every cell in every world, with intervals.
 
+mod collapsed;
 mod csv;
 mod json;
-mod layout;
+pub(crate) mod layout;
 mod load;
 mod runs;
 mod table;
 
+pub use collapsed::{Collapsed, CollapsedSeed};
 pub use load::load;
 pub use runs::{Policy, RunRow};
 
@@ -64,6 +66,8 @@ pub struct Row {
     pub estimates: [Estimate; Metric::ALL.len()],
     /// In the same order: the 95 % Wilson score interval over the episodes, low and high, of the rates of a single policy.
     pub wilson: [Option<(f64, f64)>; Metric::ALL.len()],
+    /// Which of the cell's seeds collapsed; the same in all of its worlds.
+    pub collapsed: Collapsed,
 }
 
 impl Row {
@@ -80,6 +84,7 @@ impl Row {
             n_episodes: seeds.iter().map(|seed| seed.n_episodes).sum(),
             estimates,
             wilson: [None; Metric::ALL.len()],
+            collapsed: Collapsed::default(),
         }
     }
 

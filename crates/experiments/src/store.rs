@@ -8,10 +8,12 @@
 //!     run.json                     seed, versions, code revision
 //!     metrics.csv                  one row per logging interval
 //!     policy.safetensors           what it learned
+//!     collapse.json                how it had collapsed by the end; `[]` if it had not
 //!     timing.json                  wall and CPU seconds of the training, dates
 //!     done                         written last: the hashes of the files beside it
 //!     evaluations/<eval id>/       one evaluation of that policy
 //!       spec.toml  episodes.csv  timing.json  done
+//!   tensorboard/<cell, seed>/      the metrics again, if wanted, with the times of their rows
 //! ```
 //!
 //! Ids are hashes of all that determines a result, so that the same run is never made twice. What has no `done` is
@@ -42,7 +44,7 @@ use atomic::write_atomically;
 use error::at;
 
 /// The version of what runs compute: raised by hand whenever the same spec and seed would give other results.
-pub const RESULTS_VERSION: u32 = 2;
+pub const RESULTS_VERSION: u32 = 3;
 
 /// The revision of the code, as git abbreviates it; `unknown` where it was built without git.
 pub const CODE_REVISION: &str = env!("HEADWAY_REVISION");

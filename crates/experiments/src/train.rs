@@ -1,12 +1,23 @@
 //! The training loop: the only place where an environment and an agent meet.
 
+mod behaviour;
+mod interval;
+mod metrics;
+mod sample;
+
+pub use behaviour::SPIN_WINDOW;
+pub use metrics::MetricsRow;
+
 use std::collections::BTreeMap;
 
-use headway_env::{Env, Event, NavEnv, Step};
+use headway_env::{Env, NavEnv, Step};
 use headway_policy::{Header, Layer, Normalisation, Policy};
-use headway_rl::{Agent, Dqn, Loss, Mode, StepBatch};
+use headway_rl::{Agent, Dqn, Mode, StepBatch};
 use headway_sim::stream_seed;
-use serde::Serialize;
+
+use behaviour::Behaviour;
+use interval::Interval;
+use sample::ObsSample;
 
 use crate::Error;
 use crate::plan::train_id;
@@ -50,47 +61,11 @@ pub struct Training<'a> {
     actions: Vec<u32>,
     step: Step,
     interval: Interval,
-}
-
-/// What happened since the last row of metrics.
-#[derive(Debug, Default)]
-struct Interval {
-    n_env_steps: u64,
-    rewards: f64,
-    n_reached: u64,
-    n_collisions: u64,
-    n_timeouts: u64,
-    n_updates: u64,
-    loss: f64,
-    mean_q: f64,
-    grad_norm: f64,
-}
-
-/// A row of a run's training metrics: what happened since the row before. Means over nothing are empty.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct MetricsRow {
-    /// Env steps since the start, over all copies of the environment.
-    pub env_steps: u64,
-    /// Gradient steps since the start.
-    pub gradient_steps: u64,
-    /// Mean reward of a step, unscaled.
-    pub reward_mean: f64,
-    /// Goals reached, exploration included.
-    pub n_reached: u64,
-    /// Collisions, exploration included.
-    pub n_collisions: u64,
-    /// Episodes cut by the time limit.
-    pub n_timeouts: u64,
-    /// Mean loss of the gradient steps, in squared scaled rewards.
-    pub loss: Option<f64>,
-    /// Mean value of the actions learned from, in scaled rewards.
-    pub mean_q: Option<f64>,
-    /// Mean norm of the gradient before clipping.
-    pub grad_norm: Option<f64>,
-    /// Probability of a random action at the end of the interval.
-    pub epsilon: f64,
-    /// Learning rate at the end of the interval.
-    pub learning_rate: f64,
+    behaviour: Behaviour,
+    /// Observations of the interval, for a look at what the policy does with them.
+    sample: ObsSample,
+    /// The greatest absolute reward since the start, unscaled.
+    max_abs_reward: f64,
 }
 
 impl<'a> Training<'a> {
@@ -120,6 +95,9 @@ impl<'a> Training<'a> {
             actions: vec![0; n_envs],
             step: Step::new(n_envs, obs_dim),
             interval: Interval::default(),
+            behaviour: Behaviour::new(env.navigators(), spec.vehicle.control_period),
+            sample: ObsSample::new(n_envs, obs_dim, spec.train.log_every),
+            max_abs_reward: 0.0,
             env,
         })
     }
@@ -155,6 +133,9 @@ impl<'a> Training<'a> {
         };
         self.agent.observe(batch).map_err(Error::failure)?;
         self.interval.count(step);
+        self.behaviour.count(self.env.navigators(), step);
+        self.sample.offer(&self.obs);
+        self.max_abs_reward = step.rewards.iter().fold(self.max_abs_reward, |max, r| max.max(f64::from(r.abs())));
         self.n_env_steps += step.rewards.len() as u64;
         while let Some(loss) = self.agent.update().map_err(Error::failure)? {
             self.interval.count_update(&loss);
@@ -176,26 +157,44 @@ impl<'a> Training<'a> {
     }
 
     /// The metrics since the last call, if an interval of the spec's length, or the training, is over.
-    pub fn metrics(&mut self) -> Option<MetricsRow> {
-        if self.interval.n_env_steps < self.spec.train.log_every && !self.is_over() {
-            return None;
+    ///
+    /// # Errors
+    /// If the agent fails.
+    pub fn metrics(&mut self) -> Result<Option<MetricsRow>, Error> {
+        let is_due = self.interval.n_env_steps >= self.spec.train.log_every || self.is_over();
+        if !is_due || self.interval.n_env_steps == 0 {
+            return Ok(None);
         }
-        let Interval { n_env_steps, rewards, n_reached, n_collisions, n_timeouts, n_updates, loss, mean_q, grad_norm } =
-            std::mem::take(&mut self.interval);
-        let mean = |sum: f64| (n_updates > 0).then(|| sum / n_updates as f64);
-        (n_env_steps > 0).then(|| MetricsRow {
+        let interval = std::mem::take(&mut self.interval);
+        let behaviour = self.behaviour.take();
+        let probe = self.agent.probe(self.sample.rows()).map_err(Error::failure)?;
+        self.sample.clear();
+        let [loss, mean_q, grad_norm] = interval.update_means();
+        let agent = &self.spec.agent;
+        Ok(Some(MetricsRow {
             env_steps: self.n_env_steps,
             gradient_steps: self.agent.n_gradient_steps(),
-            reward_mean: rewards / n_env_steps as f64,
-            n_reached,
-            n_collisions,
-            n_timeouts,
-            loss: mean(loss),
-            mean_q: mean(mean_q),
-            grad_norm: mean(grad_norm),
+            reward_mean: interval.rewards / interval.n_env_steps as f64,
+            n_reached: interval.n_reached,
+            n_collisions: interval.n_collisions,
+            n_timeouts: interval.n_timeouts,
+            loss,
+            mean_q,
+            grad_norm,
             epsilon: self.agent.epsilon(),
             learning_rate: self.agent.learning_rate(),
-        })
+            return_mean: behaviour.return_mean,
+            arrived: interval.share_of_ends(interval.n_reached),
+            timed_out: interval.share_of_ends(interval.n_timeouts),
+            progress: behaviour.progress,
+            abs_progress: behaviour.abs_progress,
+            spinning: behaviour.spinning,
+            action_entropy: probe.as_ref().map(|probe| probe.action_entropy),
+            max_abs_q: probe.as_ref().map(|probe| probe.max_abs_q.into()),
+            dead_units: probe.map_or_else(Vec::new, |probe| probe.dead_units),
+            q_bound: Some(self.max_abs_reward * agent.reward_scale / (1.0 - agent.gamma))
+                .filter(|bound| bound.is_finite()),
+        }))
     }
 
     /// The greedy policy learned so far: the averaged weights, with all that driving by them needs, and, under
@@ -223,23 +222,5 @@ impl<'a> Training<'a> {
         let layers = self.agent.layers().map_err(Error::failure)?;
         let layers = layers.into_iter().map(|layer| Layer { weight: layer.weight, bias: layer.bias });
         Policy::new(header, layers.collect()).map_err(Error::failure)
-    }
-}
-
-impl Interval {
-    fn count(&mut self, step: &Step) {
-        self.n_env_steps += step.rewards.len() as u64;
-        self.rewards += step.rewards.iter().copied().map(f64::from).sum::<f64>();
-        let n_events = |event| step.events.iter().filter(|e| **e == Some(event)).count() as u64;
-        self.n_reached += n_events(Event::Reach);
-        self.n_collisions += n_events(Event::Collision);
-        self.n_timeouts += step.truncated.iter().filter(|truncated| **truncated).count() as u64;
-    }
-
-    fn count_update(&mut self, loss: &Loss) {
-        self.n_updates += 1;
-        self.loss += f64::from(loss.value);
-        self.mean_q += f64::from(loss.mean_q);
-        self.grad_norm += f64::from(loss.grad_norm);
     }
 }

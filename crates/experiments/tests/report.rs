@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use headway_experiments::collapse::Collapse;
 use headway_experiments::episode::{EpisodeRecord, Outcome};
 use headway_experiments::report::{Report, TABLE_WIDTH, load, of_policy};
 use headway_experiments::store::{
@@ -33,6 +34,7 @@ fn episodes(skill: u32, world: u32) -> Vec<EpisodeRecord> {
                 near_distance: 0.5,
                 n_decelerations: scenario,
                 n_needless_decelerations: scenario / 4,
+                mean_jerk: Some(1.5),
                 drawn: String::new(),
                 n_shielded: 0,
                 n_vetoes: 0,
@@ -94,14 +96,28 @@ fn run(store: &Store, cell: usize, seed: u64, skill: u32) -> Id {
 }
 
 fn run_of(store: &Store, cell: usize, skill: u32, info: &RunInfo) -> Id {
+    run_with(store, cell, skill, info, &[], |episode| episode)
+}
+
+/// A run whose training left this verdict, and whose episodes are changed like this.
+fn run_with(
+    store: &Store,
+    cell: usize,
+    skill: u32,
+    info: &RunInfo,
+    verdict: &[Collapse],
+    change: impl Fn(EpisodeRecord) -> EpisodeRecord,
+) -> Id {
     let spec = json!({ "cell": cell });
     let id = TrainKey { spec: &spec, seed: info.seed, reward_version: 1 }.id().unwrap();
     let pending = store.run(&id).start(&spec, info).unwrap();
     pending.write_policy(b"").unwrap();
+    pending.write_collapse(verdict).unwrap();
     let run = pending.finish(&Stopwatch::start().stop()).unwrap();
     for (k, world) in (0..).zip(&WORLDS) {
         let evaluation = run.evaluation(&key(world).id().unwrap());
-        evaluation.write(&key(world), &episodes(skill, k), &Stopwatch::start().stop()).unwrap();
+        let episodes: Vec<_> = episodes(skill, k).into_iter().map(&change).collect();
+        evaluation.write(&key(world), &episodes, &Stopwatch::start().stop()).unwrap();
     }
     id
 }
@@ -146,7 +162,7 @@ R_couple  DDQN   room_25x25        100.0        0.0        0.0       0.90       
 Mean over 4 training seeds, 8 episodes each; below it: 95 % percentile bootstrap over the seeds.
 mean speed: all distance / all time, failures included; near obstacles: clearance < 1 m; needless: the way was clear
 *n: defined in n of the seeds only; the mean is over those
-left out for want of room (see --format json or csv): decelerations_per_m
+left out for want of room (see --format json or csv): decelerations_per_m, mean_jerk
 ",
     );
 }
@@ -157,13 +173,13 @@ fn the_table_of_a_single_policy() {
     assert_text(
         &table,
         "
-                                              mean   speed in  speed near  decele-  needless
-world          success  collision   timeout  speed  successes   obstacles  rations    decel.   SPL
-                     %          %         %    m/s        m/s         m/s      1/m       1/m
-──────────────────────────────────────────────────────────────────────────────────────────────────
-room_10x15        75.0       12.5      12.5   0.74       0.80        0.50     0.54      0.08  0.70
+                                              mean   speed in  speed near  decele-  needless        mean
+world          success  collision   timeout  speed  successes   obstacles  rations    decel.   SPL  jerk
+                     %          %         %    m/s        m/s         m/s      1/m       1/m        m/s³
+────────────────────────────────────────────────────────────────────────────────────────────────────────
+room_10x15        75.0       12.5      12.5   0.74       0.80        0.50     0.54      0.08  0.70  1.50
              40.9–92.9   2.2–47.1  2.2–47.1
-hall             100.0        0.0       0.0   0.90       0.90        0.25     0.39      0.06  0.83
+hall             100.0        0.0       0.0   0.90       0.90        0.25     0.39      0.06  0.83  1.50
             67.6–100.0   0.0–32.4  0.0–32.4
 One policy, 8 episodes a world; below the rates: 95 % Wilson intervals over the episodes.
 mean speed: all distance / all time, failures included; near obstacles: clearance < 1 m; needless: the way was clear
@@ -177,18 +193,18 @@ fn fewer_than_three_seeds_have_no_intervals() {
     assert_text(
         &table,
         "
-                                                           mean   speed in  speed near  decele-  needless
-reward    agent  world       success  collision  timeout  speed  successes   obstacles  rations    decel.   SPL
-                                   %          %        %    m/s        m/s         m/s      1/m       1/m
-───────────────────────────────────────────────────────────────────────────────────────────────────────────────
-R         DQN    room_10x15      0.0       12.5     87.5   0.40          –        0.50     1.75      0.25  0.00
-R         DQN    room_25x25      0.0       12.5     87.5   0.40          –        0.25     1.75      0.25  0.00
-R         DDQN   room_10x15      6.2       12.5     81.2   0.44    0.80 *1        0.50     1.51      0.22  0.06
-R         DDQN   room_25x25      6.2       12.5     81.2   0.46    0.90 *1        0.25     1.48      0.21  0.05
-R_couple  DQN    room_10x15     93.8        6.2      0.0   0.79       0.80        0.50     0.46      0.07  0.88
-R_couple  DQN    room_25x25     93.8        6.2      0.0   0.88       0.90        0.25     0.41      0.06  0.78
-R_couple  DDQN   room_10x15    100.0        0.0      0.0   0.80       0.80        0.50     0.44      0.06  0.94
-R_couple  DDQN   room_25x25    100.0        0.0      0.0   0.90       0.90        0.25     0.39      0.06  0.83
+                                                           mean   speed in  speed near  decele-  needless        mean
+reward    agent  world       success  collision  timeout  speed  successes   obstacles  rations    decel.   SPL  jerk
+                                   %          %        %    m/s        m/s         m/s      1/m       1/m        m/s³
+─────────────────────────────────────────────────────────────────────────────────────────────────────────────────────
+R         DQN    room_10x15      0.0       12.5     87.5   0.40          –        0.50     1.75      0.25  0.00  1.50
+R         DQN    room_25x25      0.0       12.5     87.5   0.40          –        0.25     1.75      0.25  0.00  1.50
+R         DDQN   room_10x15      6.2       12.5     81.2   0.44    0.80 *1        0.50     1.51      0.22  0.06  1.50
+R         DDQN   room_25x25      6.2       12.5     81.2   0.46    0.90 *1        0.25     1.48      0.21  0.05  1.50
+R_couple  DQN    room_10x15     93.8        6.2      0.0   0.79       0.80        0.50     0.46      0.07  0.88  1.50
+R_couple  DQN    room_25x25     93.8        6.2      0.0   0.88       0.90        0.25     0.41      0.06  0.78  1.50
+R_couple  DDQN   room_10x15    100.0        0.0      0.0   0.80       0.80        0.50     0.44      0.06  0.94  1.50
+R_couple  DDQN   room_25x25    100.0        0.0      0.0   0.90       0.90        0.25     0.39      0.06  0.83  1.50
 Mean over 2 training seeds, 8 episodes each; no intervals below 3 seeds.
 mean speed: all distance / all time, failures included; near obstacles: clearance < 1 m; needless: the way was clear
 *n: defined in n of the seeds only; the mean is over those
@@ -231,7 +247,7 @@ R_couple  DDQN   room_25x25      3        100.0        0.0        0.0       0.90
 Mean over the training seeds, 8 episodes each; below it: 95 % percentile bootstrap over the seeds.
 mean speed: all distance / all time, failures included; near obstacles: clearance < 1 m; needless: the way was clear
 *n: defined in n of the seeds only; the mean is over those
-left out for want of room (see --format json or csv): decelerations_per_m, spl
+left out for want of room (see --format json or csv): decelerations_per_m, spl, mean_jerk
 unfinished: 10 of 16 runs are complete
 ",
     );
@@ -299,6 +315,28 @@ fn a_shield_has_columns_of_its_own() {
     assert!(!without.table().contains("vetoes") && without.json().contains("\"vetoes\""));
 }
 
+/// By what the training left, by what the evaluations say, or by both.
+#[test]
+fn collapsed_seeds_are_named() {
+    let fixture = Fixture::new(4, skill);
+    let store = Store::open(fixture.path()).unwrap();
+    let spins = [Collapse::Spinning { share: 0.75 }, Collapse::OneAction { entropy: 0.0 }];
+    run_with(&store, 1, skill(1, 2), &RunInfo::new(2, 1), &spins, |episode| episode);
+    let times_out = |episode| EpisodeRecord { outcome: Outcome::Timeout, duration: 4.0, distance: 2.0, ..episode };
+    run_with(&store, 1, skill(1, 3), &RunInfo::new(3, 1), &[], times_out);
+    let report = fixture.report();
+    let line = "R DDQN: 2 of 4 seeds collapsed: seed 2 spins, has one action; seed 3 times out";
+    let table = report.table();
+    assert_eq!(table.lines().filter(|found| found.contains("collapsed")).collect::<Vec<_>>(), [line]);
+    let rows: Vec<Value> = serde_json::from_str(&report.json()).unwrap();
+    assert_eq!(rows[0]["collapsed"], json!({ "seeds": 0, "of": 4, "verdicts": [] }));
+    let how = json!([{ "kind": "spinning", "share": 0.75 }, { "kind": "one_action", "entropy": 0.0 }]);
+    let times_out = json!([{ "kind": "times_out", "timeouts": 1.0, "mean_speed": 0.5 }]);
+    let verdicts = json!([{ "seed": 2, "how": how }, { "seed": 3, "how": times_out }]);
+    assert_eq!(rows[2]["collapsed"], json!({ "seeds": 2, "of": 4, "verdicts": verdicts }));
+    assert_eq!(rows[3]["collapsed"], rows[2]["collapsed"], "of the run, whatever the world");
+}
+
 #[test]
 fn the_list_of_runs() {
     let fixture = Fixture::new(3, skill);
@@ -338,7 +376,11 @@ fn csv_has_a_row_per_cell_and_world() {
     let lines: Vec<_> = text.lines().collect();
     assert_eq!(lines.len(), 1 + 8);
     assert!(lines[0].starts_with("reward,agent,world,seeds,episodes,success,success_low,success_high,collision,"));
-    assert!(lines[0].ends_with(",spl,spl_low,spl_high,vetoes,vetoes_low,vetoes_high,stops,stops_low,stops_high"));
+    assert!(
+        lines[0].ends_with(
+            ",mean_jerk,mean_jerk_low,mean_jerk_high,vetoes,vetoes_low,vetoes_high,stops,stops_low,stops_high"
+        )
+    );
     assert!(lines[1].starts_with("R,DQN,room_10x15,4,32,0,0,0,0.125,0.125,0.125,0.875,"));
 }
 

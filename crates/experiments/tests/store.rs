@@ -130,7 +130,7 @@ fn episodes_come_back_to_the_last_bit() {
     let spec = "n_episodes = 2\nseed = 7\ntime_limit = 60.0\n\n[world]\ngamma = 0.95\n";
     assert_eq!(text(evaluation.path().join("spec.toml")), spec);
     let csv = "scenario,outcome,duration,distance,geodesic,spl,near_time,near_distance,n_decelerations,\
-               n_needless_decelerations,drawn,n_shielded,n_vetoes,n_stops\n0,success,";
+               n_needless_decelerations,mean_jerk,drawn,n_shielded,n_vetoes,n_stops\n0,success,";
     assert!(text(evaluation.path().join("episodes.csv")).starts_with(csv));
 }
 
@@ -246,4 +246,30 @@ fn the_written_spec_has_the_id_of_the_run() {
     run.start(&spec, &RunInfo::new(0, 1)).unwrap();
     let written = toml::from_str(&text(run.path().join("spec.toml"))).unwrap();
     assert_eq!(key(&written), id);
+}
+
+/// The columns of the first table below a heading of `docs/data.md`.
+fn documented(heading: &str) -> Vec<String> {
+    let docs = text(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/data.md"));
+    let section = docs.split(&format!("## {heading}")).nth(1).unwrap().split("\n## ").next().unwrap().to_owned();
+    let names = section.lines().filter_map(|line| line.strip_prefix("| `")?.split('`').next().map(str::to_owned));
+    names.collect()
+}
+
+#[test]
+fn every_column_is_documented() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = Store::open(folder.path()).unwrap().run(&id(3));
+    finish_run(&run);
+    let evaluation = run.evaluation(&key().id().unwrap());
+    evaluation.write(&key(), &episodes(), &timing()).unwrap();
+    let header = |csv: String| csv.lines().next().unwrap().split(',').map(str::to_owned).collect::<Vec<_>>();
+    assert_eq!(documented("episodes.csv"), header(text(evaluation.path().join("episodes.csv"))));
+    let mut spec = headway_experiments::spec::RunSpec::default();
+    spec.train.n_steps = 32;
+    let mut training = headway_experiments::train::Training::new(&spec, 0).unwrap();
+    training.step().unwrap();
+    let pending = run.start(&SPEC, &RunInfo::new(3, 1)).unwrap();
+    pending.metrics().unwrap().push(&training.metrics().unwrap().unwrap()).unwrap();
+    assert_eq!(documented("metrics.csv"), header(text(run.path().join("metrics.csv"))));
 }

@@ -1,6 +1,6 @@
 use crate::{Event, Reward, RewardError, State, Transition};
 use serde::{Deserialize, Serialize};
-use std::f64::consts::FRAC_PI_6;
+use std::f64::consts::{FRAC_PI_6, PI};
 
 /// Steady speed: arrive, at no more than a desired speed, and brake only for what is in the way.
 ///
@@ -17,7 +17,7 @@ use std::f64::consts::FRAC_PI_6;
 /// ```
 ///
 /// Progress above v_bar pays nothing more, and overspeed costs: the best speed is v_bar. `braking` is charged where no beam
-/// within 30 degrees of the driving direction is nearer than the stopping distance and `headway`, v^2 / (2 a) + headway, v
+/// within 30 degrees of where it goes, behind it in reverse, is nearer than the stopping distance and `headway`, v^2 / (2 a) + headway, v
 /// being the speed before the step and a the greatest deceleration: the definition of a needless deceleration, from
 /// what the lidar reported. Without a lidar nothing is in the way. Every term counts per metre, second or m/s: a shorter control period
 /// pays the same.
@@ -99,9 +99,10 @@ impl SteadySpeed {
     }
 }
 
-/// The nearest range within 30 degrees of the driving direction, m; infinite without a beam there.
+/// The nearest range within 30 degrees of where the vehicle goes, behind it in reverse, m; infinite without a beam there.
 fn range_ahead(state: &State<'_>) -> f64 {
-    let ahead = state.beam_angles.iter().zip(state.scan).filter(|(angle, _)| angle.abs() <= AHEAD);
+    let aside = |angle: &f64| if state.speed < 0.0 { PI - angle.abs() } else { angle.abs() };
+    let ahead = state.beam_angles.iter().zip(state.scan).filter(|(angle, _)| aside(angle) <= AHEAD);
     ahead.fold(f64::INFINITY, |nearest, (_, range)| nearest.min(f64::from(*range)))
 }
 
@@ -110,7 +111,7 @@ impl Reward for SteadySpeed {
     fn reward(&self, t: &Transition<'_>) -> f64 {
         let progress = t.progress().min(self.desired_speed * t.dt);
         let depth = (1.0 - t.after.clearance / self.margin).max(0.0);
-        let excess = (t.after.speed - self.desired_speed).max(0.0);
+        let excess = (t.after.speed.abs() - self.desired_speed).max(0.0);
         self.event(t.event)
             + self.progress * progress
             + (self.time + self.proximity * depth + self.overspeed * excess * excess) * t.dt
@@ -195,6 +196,16 @@ mod tests {
         }
         assert_pays(&step([1.0, 0.95], 0.1), 4.0 - 0.5); // -0.25 m/s^2: coasting
         assert_pays(&step([0.6, 1.0], 0.1), 4.0 - 0.5);
+    }
+
+    #[test]
+    fn reverse_is_judged_by_its_size_and_by_what_is_behind() {
+        assert_pays(&step([-1.5; 2], 0.0), -0.5 - 1.8);
+        for (scan, cost) in [([0.1, 5.0], 12.0), ([5.0, 0.1], 0.0)] {
+            let mut braking = step([-1.0, -0.6], 0.0);
+            (braking.before.scan, braking.before.beam_angles) = (&scan, &[0.0, 3.0]);
+            assert_pays(&braking, -0.5 - cost);
+        }
     }
 
     #[test]

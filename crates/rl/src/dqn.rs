@@ -13,7 +13,7 @@ use crate::observations::Observations;
 use crate::random::stream;
 use crate::replay::{MiniBatch, Replay};
 use crate::target::argmax;
-use crate::{Agent, DqnSpec, Epsilon, LearningRate, Loss, Mode, RlError, StepBatch, checkpoint};
+use crate::{Agent, DqnSpec, Epsilon, LearningRate, Loss, Mode, Probe, RlError, StepBatch, checkpoint};
 
 /// A deep Q-learning agent; the target rule of its spec makes it DQN or Double DQN.
 ///
@@ -103,6 +103,26 @@ impl Dqn {
     pub fn q_values(&self, obs: &[f32]) -> Result<Vec<f32>, RlError> {
         self.check_rows(obs, obs.len() / self.learner.network.obs_dim())?;
         Ok(self.learner.q_values(Weights::Averaged, obs, <[f32]>::to_vec)?)
+    }
+
+    /// What the averaged weights do with observations `[n, obs_dim]`; none if there are none.
+    ///
+    /// # Errors
+    /// If `obs` is not a whole number of rows.
+    ///
+    /// ```
+    /// let agent = headway_rl::DqnSpec::default().build(2, 12, 1, 1, 0)?;
+    /// let probe = agent.probe(&[0.5, -0.5])?.unwrap();
+    /// assert_eq!((probe.action_entropy, probe.dead_units.len()), (0.0, 2)); // one observation, one action
+    /// # Ok::<(), headway_rl::RlError>(())
+    /// ```
+    pub fn probe(&self, obs: &[f32]) -> Result<Option<Probe>, RlError> {
+        self.check_rows(obs, obs.len() / self.learner.network.obs_dim())?;
+        if obs.is_empty() {
+            return Ok(None);
+        }
+        let probe = |activations: &[f32], n| Probe::of(&self.learner.network, activations, n);
+        Ok(Some(self.learner.activations(Weights::Averaged, obs, probe)?))
     }
 
     /// The averaged weights, layer by layer: what greedy acting uses and a policy file holds.

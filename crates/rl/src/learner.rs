@@ -81,6 +81,16 @@ impl Learner {
 
     /// Calls `with` with the Q-values `[n, n_actions]` of observations `[n, obs_dim]`.
     pub(crate) fn q_values<T>(&self, weights: Weights, obs: &[f32], with: impl FnOnce(&[f32]) -> T) -> Result<T> {
+        self.activations(weights, obs, |activations, n| with(self.network.q(activations, n)))
+    }
+
+    /// Calls `with` with the activations of `n` observations `[n, obs_dim]`, laid out as [`Network`] says, and `n`.
+    pub(crate) fn activations<T>(
+        &self,
+        weights: Weights,
+        obs: &[f32],
+        with: impl FnOnce(&[f32], usize) -> T,
+    ) -> Result<T> {
         let weights = match weights {
             Weights::Online => &self.memory.online,
             Weights::Averaged => &self.memory.averaged,
@@ -88,7 +98,7 @@ impl Learner {
         let n = obs.len() / self.network.obs_dim();
         let activations = zeros(n * self.network.n_units())?;
         activations.inplace_op2(weights, &Forward { network: &self.network, obs })?;
-        read(&activations, |activations| with(self.network.q(activations, n)))
+        read(&activations, |activations| with(activations, n))
     }
 
     /// Takes one gradient step on a minibatch.

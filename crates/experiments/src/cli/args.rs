@@ -14,6 +14,7 @@ Examples:
   experiments check specs/quick.toml                 is it valid, how many runs, how long
   experiments run specs/quick.toml                   train and evaluate every run not yet done
   experiments run specs/quick.toml --set seeds.count=1 --set train.n_steps=10000
+  experiments watch results/quick                    how far each run is, and whether it learns
   experiments report results/quick                   success, collisions, speed, with intervals
 
 Exit codes: 0 success; 2 bad input (nothing was written); 1 any other failure.";
@@ -58,6 +59,8 @@ pub enum Command {
     List(ListArgs),
     /// Summarise a folder of finished runs with intervals over the training seeds.
     Report(ReportArgs),
+    /// Show how far the runs of a folder are: progress, return, collapse; on a terminal until all are done.
+    Watch(WatchArgs),
     /// Drive a policy file, or a classical driver, through a spec's evaluation worlds or by a protocol.
     Evaluate(EvaluateArgs),
 }
@@ -69,6 +72,7 @@ Examples:
   experiments run specs/quick.toml
   experiments run specs/table1.toml --out results/table1 --jobs 8
   experiments run specs/quick.toml --set agent.target=dqn --set seeds.count=1
+  experiments run specs/quick.toml --tensorboard     then: tensorboard --logdir results/quick/tensorboard
 
 A run that is already in DIR is not repeated; a run that was interrupted starts afresh.")]
 pub struct RunArgs {
@@ -81,6 +85,9 @@ pub struct RunArgs {
     /// How many runs train at once [default: the number of cores].
     #[arg(long, value_name = "N")]
     pub jobs: Option<NonZeroUsize>,
+    /// Also write the training metrics as TensorBoard event files, to DIR/tensorboard; of runs that are there already, too.
+    #[arg(long)]
+    pub tensorboard: bool,
     #[arg(long = "set", value_name = "PATH=VALUE", help = SET_HELP, long_help = SET_LONG_HELP)]
     /// Values to replace in the spec, in order.
     pub set: Vec<Assignment>,
@@ -127,6 +134,23 @@ pub struct ReportArgs {
     /// One line per run instead: its cell, seed, id, success in each world, and the path of its policy.
     #[arg(long, conflicts_with = "format")]
     pub runs: bool,
+}
+
+/// Arguments of `experiments watch`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  experiments watch results/table1
+  experiments watch results/table1 --once
+
+It reads what runs leave in their folders, and disturbs nothing; Ctrl-C ends it.")]
+pub struct WatchArgs {
+    /// The folder that `experiments run --out DIR` fills.
+    #[arg(value_name = "DIR")]
+    pub dir: PathBuf,
+    /// Print once and exit; as it does where the output is no terminal.
+    #[arg(long)]
+    pub once: bool,
 }
 
 /// Arguments of `experiments evaluate`.

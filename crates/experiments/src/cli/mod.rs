@@ -11,6 +11,7 @@ mod protocol;
 pub mod report;
 pub mod run;
 mod speed;
+pub mod watch;
 mod work;
 
 use std::io::{self, Write};
@@ -44,6 +45,7 @@ fn execute(command: &Command, out: &mut dyn Write) -> Result<(), Error> {
         Command::Check(args) => check::execute(args, out),
         Command::List(args) => list::execute(args, out),
         Command::Report(args) => report::execute(args, out),
+        Command::Watch(args) => watch::execute(args, out),
         Command::Run(args) => run::execute(args, out),
         Command::Evaluate(args) => evaluate::execute(args, out),
     }

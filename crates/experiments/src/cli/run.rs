@@ -6,13 +6,14 @@ use std::path::Path;
 use std::thread::available_parallelism;
 
 use super::args::RunArgs;
-use super::work::{self, Task};
+use super::work::{self, Events, Task};
 use super::{left_out, print};
 use crate::Error;
 use crate::plan::Plan;
 use crate::report;
 use crate::spec::Grid;
 use crate::store::{Id, Index, RunFolder, Store};
+use crate::tensorboard;
 
 /// Trains and evaluates every run of the grid that is not yet in the results folder, then prints the report.
 ///
@@ -37,7 +38,11 @@ pub fn execute(args: &RunArgs, out: &mut dyn Write) -> Result<(), Error> {
         note(&format!("nothing to do: all {} runs are there", plan.runs.len()));
     } else {
         let n_workers = args.jobs.or_else(|| available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN);
-        work::complete(missing, &store, n_workers)?;
+        let events = if args.tensorboard { Events::TensorBoard } else { Events::None };
+        work::complete(missing, &store, n_workers, events)?;
+    }
+    if args.tensorboard {
+        tensorboard::complete(&folder, &plan.runs)?;
     }
     let (text, folder) = (report::load(&folder)?.table(), folder.display());
     print(out, &format!("{text}\nresults in {folder}\nevery run and its policy: experiments report {folder} --runs\n"))

@@ -5,22 +5,35 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::num::NonZeroUsize;
 use std::ops::Range;
+use std::path::PathBuf;
+use std::time::SystemTime;
 
 use super::run::note;
 use crate::Error;
 use crate::candidate::Candidate;
+use crate::collapse::Watchdog;
 use crate::episode::EpisodeRecord;
 use crate::evaluate::ScenarioSet;
 use crate::jobs::{self, Display, Job, Progress};
 use crate::plan::{Evaluation, Run, TrainTables, seed_and_reward};
 use crate::spec::{PolicySpec, RunSpec};
 use crate::store::{RunInfo, State, Stopwatch, Store};
-use crate::train::Training;
+use crate::tensorboard::{self, EventFile};
+use crate::train::{MetricsRow, Training};
 
 /// The work in an evaluation episode, in the unit of [`step_work`]: some 55 us.
 const EPISODE_WORK: u64 = 5000;
 /// How many scenarios are made at a time: some tenths of a second.
 const SCENARIO_BATCH: usize = 1000;
+
+/// Which events of a training are written for others to follow it by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Events {
+    /// None.
+    None,
+    /// Those of [`crate::tensorboard`].
+    TensorBoard,
+}
 
 /// The held-out scenarios by name, made once for all runs that share them.
 type Scenarios = BTreeMap<String, ScenarioSet>;
@@ -37,11 +50,18 @@ pub(super) struct Task<'a> {
 ///
 /// # Errors
 /// That of the first piece of work that failed.
-pub(super) fn complete(tasks: Vec<Task<'_>>, store: &Store, n_workers: NonZeroUsize) -> Result<(), Error> {
+pub(super) fn complete(
+    tasks: Vec<Task<'_>>,
+    store: &Store,
+    n_workers: NonZeroUsize,
+    events: Events,
+) -> Result<(), Error> {
     let scenarios = make_scenarios(&tasks, n_workers)?;
     let mut jobs: Vec<_> = tasks.into_iter().map(Task::into_job).collect();
     jobs.sort_by_key(|job| Reverse(job.work));
-    jobs::run(&jobs, n_workers, Display::auto("runs"), |task, progress| task.complete(store, &scenarios, progress))?;
+    jobs::run(&jobs, n_workers, Display::auto("runs"), |task, progress| {
+        task.complete(store, &scenarios, events, progress)
+    })?;
     Ok(())
 }
 
@@ -122,16 +142,22 @@ impl<'a> Task<'a> {
         Job { work: training.saturating_add(EPISODE_WORK * n_episodes as u64), input: self }
     }
 
-    fn complete(&self, store: &Store, scenarios: &Scenarios, progress: &Progress<'_>) -> Result<(), Error> {
-        self.work(store, scenarios, progress).map_err(|error| Error::Run {
+    fn complete(
+        &self,
+        store: &Store,
+        scenarios: &Scenarios,
+        events: Events,
+        progress: &Progress<'_>,
+    ) -> Result<(), Error> {
+        self.work(store, scenarios, events, progress).map_err(|error| Error::Run {
             run: format!("{}, in {}", self.run.label, store.run(&self.run.id).path().display()),
             source: Box::new(error),
         })
     }
 
-    fn work(&self, store: &Store, scenarios: &Scenarios, progress: &Progress<'_>) -> Result<(), Error> {
+    fn work(&self, store: &Store, scenarios: &Scenarios, events: Events, progress: &Progress<'_>) -> Result<(), Error> {
         if self.trains {
-            train(self.run, store, progress)?;
+            train(self.run, store, events, progress)?;
         }
         let candidate = self.candidate(store)?;
         for evaluation in &self.evaluations {
@@ -161,7 +187,7 @@ impl<'a> Task<'a> {
 }
 
 /// Trains, if anything is to be trained, and leaves the run's folder behind.
-fn train(run: &Run<'_>, store: &Store, progress: &Progress<'_>) -> Result<(), Error> {
+fn train(run: &Run<'_>, store: &Store, events: Events, progress: &Progress<'_>) -> Result<(), Error> {
     let stopwatch = Stopwatch::start();
     let (seed, reward_version) = seed_and_reward(run.spec, run.seed);
     let pending = store.run(&run.id).start(&TrainTables::of(run.spec)?, &RunInfo::new(seed, reward_version))?;
@@ -170,18 +196,45 @@ fn train(run: &Run<'_>, store: &Store, progress: &Progress<'_>) -> Result<(), Er
         return Ok(());
     }
     let mut metrics = pending.metrics()?;
-    let mut training = Training::new(run.spec, run.seed)?;
+    let mut events = EventLog::create(events, store, run)?;
+    let (mut training, mut watchdog) = (Training::new(run.spec, run.seed)?, Watchdog::default());
     let work_a_step = run.spec.train.n_envs as u64 * step_work(run.spec);
     while !training.is_over() {
         training.step()?;
         progress.advance(work_a_step);
-        if let Some(row) = training.metrics() {
+        if let Some(row) = training.metrics()? {
             metrics.push(&row)?;
+            events.push(&row)?;
+            let env_steps = row.env_steps;
+            for collapse in watchdog.push(row) {
+                progress.say(format!("{}: {} at env step {env_steps}", run.label, collapse.describe()));
+            }
         }
     }
+    pending.write_collapse(&watchdog.verdict())?;
     pending.write_policy(&training.policy()?.to_bytes().map_err(Error::failure)?)?;
     pending.finish(&stopwatch.stop())?;
     Ok(())
+}
+
+/// The event file of a training, if one is wanted.
+struct EventLog {
+    file: Option<EventFile>,
+    path: PathBuf,
+}
+
+impl EventLog {
+    fn create(events: Events, store: &Store, run: &Run<'_>) -> Result<Self, Error> {
+        let path = tensorboard::path(store.root(), &run.label, &run.id);
+        let create = || EventFile::create(&path, SystemTime::now()).map_err(|error| Error::io("create", &path, error));
+        let file = (events == Events::TensorBoard).then(create).transpose()?;
+        Ok(Self { file, path })
+    }
+
+    fn push(&mut self, row: &MetricsRow) -> Result<(), Error> {
+        let Some(file) = &mut self.file else { return Ok(()) };
+        file.push(row, SystemTime::now()).map_err(|error| Error::io("write", &self.path, error))
+    }
 }
 
 /// Whether a folder is complete; says so if it was and is no more.

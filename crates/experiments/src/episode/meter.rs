@@ -35,6 +35,10 @@ pub struct Sample {
 /// stopping distance and a margin, `free_range > v^2 / (2 a) + 0.6 m`, with `v` the speed at the start of the step and
 /// `a` the greatest deceleration of the vehicle: braking that was called for at any moment is not needless.
 ///
+/// The *mean absolute jerk* is `sum_k |a_k - a_(k-1)| / sum_k dt_k`, m/s^3, with `a_k` the mean acceleration of the forward
+/// speed in step `k`, and `a_0 = 0` before the first step, in which a vehicle at rest starts. Where all steps are equally long it
+/// is the mean of `|a_k - a_(k-1)| / dt`; a last step cut short by a collision weighs as much as it lasts.
+///
 /// A step belongs to the near time and distance if its clearance is below [`NEAR_CLEARANCE`].
 ///
 /// ```
@@ -58,6 +62,10 @@ pub struct EpisodeMeter {
     n_decelerations: u32,
     n_needless_decelerations: u32,
     braking: Braking,
+    /// In the last step, m/s^2.
+    acceleration: f64,
+    /// The sum of the absolute changes of the acceleration, m/s^2.
+    acceleration_changes: f64,
 }
 
 /// What the last step was part of.
@@ -81,6 +89,8 @@ impl EpisodeMeter {
             n_decelerations: 0,
             n_needless_decelerations: 0,
             braking: Braking::No,
+            acceleration: 0.0,
+            acceleration_changes: 0.0,
         }
     }
 
@@ -92,6 +102,9 @@ impl EpisodeMeter {
             self.near_time += sample.dt;
             self.near_distance += sample.distance;
         }
+        let acceleration = (sample.speed_after - sample.speed_before) / sample.dt;
+        self.acceleration_changes += (acceleration - self.acceleration).abs();
+        self.acceleration = acceleration;
         let before = self.braking;
         self.braking = self.next_braking(sample);
         if self.braking != Braking::No && before == Braking::No {
@@ -128,6 +141,7 @@ impl EpisodeMeter {
             near_distance: self.near_distance,
             n_decelerations: self.n_decelerations,
             n_needless_decelerations: self.n_needless_decelerations + u32::from(self.braking == Braking::Needless),
+            mean_jerk: (self.duration > 0.0).then(|| self.acceleration_changes / self.duration),
             drawn: String::new(),
             n_shielded: 0,
             n_vetoes: 0,
@@ -223,6 +237,33 @@ mod tests {
         let mut meter = EpisodeMeter::new(2.0);
         speeds(&mut meter, &[-0.2, -0.6, -0.2], 0.1);
         assert_eq!(counts(meter), (1, 0));
+    }
+
+    #[test]
+    fn jerk_is_the_mean_absolute_change_of_the_acceleration() {
+        let jerk_of = |path: &[f64]| {
+            let mut meter = EpisodeMeter::new(2.0);
+            speeds(&mut meter, path, 5.0);
+            meter.finish(0, Outcome::Timeout, 1.0).mean_jerk.unwrap()
+        };
+        let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} is not {b}");
+        close(jerk_of(&[1.0, 1.0, 1.0]), 0.0);
+        // a = 2, 2 m/s^2: one jump from 0 to 2 in 0.4 s.
+        close(jerk_of(&[0.0, 0.4, 0.8]), 5.0);
+        // a = 2, 0, -1, 1 m/s^2: changes of 2, 2, 1 and 2 in 0.8 s.
+        close(jerk_of(&[0.0, 0.4, 0.4, 0.2, 0.4]), 8.75);
+        // Reversing counts by its sign: a = -2, then 2.
+        close(jerk_of(&[0.0, -0.4, 0.0]), 15.0);
+        assert_eq!(EpisodeMeter::new(2.0).finish(0, Outcome::Timeout, 1.0).mean_jerk, None);
+    }
+
+    #[test]
+    fn a_step_cut_short_by_a_collision_does_not_blow_up_the_jerk() {
+        let mut meter = EpisodeMeter::new(2.0);
+        speeds(&mut meter, &[1.0, 1.0, 1.0, 1.0, 1.0], 5.0);
+        meter.push(&Sample { speed_before: 1.0, speed_after: 0.998, dt: 0.001, ..CRUISE }); // brakes at 2 m/s^2
+        let jerk = meter.finish(0, Outcome::Collision, 1.0).mean_jerk.unwrap();
+        assert!((jerk - 2.0 / 0.801).abs() < 1e-9, "{jerk}");
     }
 
     #[test]

@@ -38,6 +38,8 @@ pub struct SeedSummary {
     pub needless_decelerations_per_m: Option<f64>,
     /// Mean success weighted by path length, in [0, 1].
     pub spl: Option<f64>,
+    /// Mean absolute jerk of the forward speed over the time of all episodes, m/s^3; undefined if any lacks it.
+    pub mean_jerk: Option<f64>,
     /// Share of all commands that a shield did not pass on as they were, in [0, 1]; undefined without a shield.
     pub vetoes: Option<f64>,
     /// Share of all commands in whose place a shield braked, in [0, 1]; undefined without a shield.
@@ -66,10 +68,17 @@ impl SeedSummary {
             decelerations_per_m: ratio(total(|e| f64::from(e.n_decelerations)), distance),
             needless_decelerations_per_m: ratio(total(|e| f64::from(e.n_needless_decelerations)), distance),
             spl: ratio(total(|e| e.spl), n),
+            mean_jerk: mean_jerk(episodes),
             vetoes: ratio(total(|e| e.n_vetoes as f64), n_shielded),
             stops: ratio(total(|e| e.n_stops as f64), n_shielded),
         }
     }
+}
+
+/// The jerk of each episode, weighted by how long it lasted.
+fn mean_jerk(episodes: &[EpisodeRecord]) -> Option<f64> {
+    let changes: Option<f64> = episodes.iter().map(|e| Some(e.mean_jerk? * e.duration)).sum();
+    ratio(changes?, episodes.iter().map(|e| e.duration).sum())
 }
 
 /// `a / b`, undefined for `b = 0`.
@@ -98,6 +107,8 @@ pub enum Metric {
     NeedlessDecelerationsPerM,
     /// [`SeedSummary::spl`].
     Spl,
+    /// [`SeedSummary::mean_jerk`].
+    MeanJerk,
     /// [`SeedSummary::vetoes`].
     Vetoes,
     /// [`SeedSummary::stops`].
@@ -113,13 +124,15 @@ pub enum Quantity {
     Speed,
     /// A count per distance, 1/m.
     PerMetre,
+    /// A change of acceleration, m/s^3.
+    Jerk,
     /// A score in [0, 1] without a unit.
     Score,
 }
 
 impl Metric {
     /// Every metric, in the order of reports.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Success,
         Self::Collision,
         Self::Timeout,
@@ -129,6 +142,7 @@ impl Metric {
         Self::DecelerationsPerM,
         Self::NeedlessDecelerationsPerM,
         Self::Spl,
+        Self::MeanJerk,
         Self::Vetoes,
         Self::Stops,
     ];
@@ -145,6 +159,7 @@ impl Metric {
             Self::DecelerationsPerM => "decelerations_per_m",
             Self::NeedlessDecelerationsPerM => "needless_decelerations_per_m",
             Self::Spl => "spl",
+            Self::MeanJerk => "mean_jerk",
             Self::Vetoes => "vetoes",
             Self::Stops => "stops",
         }
@@ -156,6 +171,7 @@ impl Metric {
             Self::Success | Self::Collision | Self::Timeout | Self::Vetoes | Self::Stops => Quantity::Rate,
             Self::MeanSpeed | Self::SpeedInSuccesses | Self::SpeedNearObstacles => Quantity::Speed,
             Self::DecelerationsPerM | Self::NeedlessDecelerationsPerM => Quantity::PerMetre,
+            Self::MeanJerk => Quantity::Jerk,
             Self::Spl => Quantity::Score,
         }
     }
@@ -187,6 +203,7 @@ impl Metric {
             Self::DecelerationsPerM => summary.decelerations_per_m,
             Self::NeedlessDecelerationsPerM => summary.needless_decelerations_per_m,
             Self::Spl => summary.spl,
+            Self::MeanJerk => summary.mean_jerk,
             Self::Vetoes => summary.vetoes,
             Self::Stops => summary.stops,
         }
@@ -209,6 +226,7 @@ mod tests {
             near_distance: 0.5,
             n_decelerations: 3,
             n_needless_decelerations: 1,
+            mean_jerk: Some(2.0),
             drawn: String::new(),
             n_shielded: 0,
             n_vetoes: 0,
@@ -232,6 +250,13 @@ mod tests {
         assert_eq!(summary.decelerations_per_m, Some(1.0));
         assert_eq!(summary.needless_decelerations_per_m, Some(4.0 / 12.0));
         assert_eq!(summary.spl, Some(0.4));
+    }
+
+    #[test]
+    fn jerk_weighs_episodes_by_their_time() {
+        let jerk = |mean_jerk, duration| EpisodeRecord { mean_jerk, ..episode(Outcome::Success, duration, 5.0) };
+        assert_eq!(SeedSummary::of(&[jerk(Some(1.0), 9.0), jerk(Some(3.0), 3.0)]).mean_jerk, Some(1.5));
+        assert_eq!(SeedSummary::of(&[jerk(Some(1.0), 9.0), jerk(None, 3.0)]).mean_jerk, None);
     }
 
     #[test]

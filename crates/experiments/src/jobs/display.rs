@@ -23,6 +23,15 @@ pub enum Display {
     Silent,
 }
 
+/// What workers tell whoever waits.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) enum Event {
+    /// A job has succeeded.
+    Finished,
+    /// A line to show.
+    Said(String),
+}
+
 /// All the work there is.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Work {
@@ -55,8 +64,8 @@ impl Display {
         }
     }
 
-    /// Shows the progress until the workers, who send one event per job that succeeds, have all hung up.
-    pub(super) fn follow(self, work: Work, events: &Receiver<()>, done: &AtomicU64) {
+    /// Shows the progress and what workers say until they have all hung up.
+    pub(super) fn follow(self, work: Work, events: &Receiver<Event>, done: &AtomicU64) {
         let bar = self.bar(work);
         let period = if matches!(self, Self::Lines(_)) { LINE_PERIOD } else { BAR_PERIOD };
         let start = Instant::now();
@@ -70,7 +79,8 @@ impl Display {
         };
         loop {
             match events.recv_timeout(due.saturating_duration_since(Instant::now())) {
-                Ok(()) => n_finished += 1,
+                Ok(Event::Finished) => n_finished += 1,
+                Ok(Event::Said(line)) => self.say(&bar, &line),
                 Err(RecvTimeoutError::Timeout) => {
                     self.show(&bar, &snapshot(n_finished));
                     due = Instant::now() + period;
@@ -82,6 +92,15 @@ impl Display {
         // Where a job failed, be it the last, its error is the last word.
         if self != Self::Silent && n_finished == work.n_jobs {
             print(&snapshot(n_finished));
+        }
+    }
+
+    /// Shows a line above the bar, if there is one.
+    fn say(self, bar: &ProgressBar, line: &str) {
+        match self {
+            Self::Bar(_) => bar.println(line),
+            Self::Lines(_) => drop(writeln!(io::stderr(), "{line}")),
+            Self::Silent => {}
         }
     }
 

@@ -7,15 +7,15 @@ const GAP: usize = 2;
 
 /// One column of a text table; every column has the same number of cells.
 #[derive(Debug, Clone)]
-pub(super) struct Column {
-    pub(super) align: Align,
+pub(crate) struct Column {
+    pub(crate) align: Align,
     /// The header's lines and the table's, top to bottom.
-    pub(super) cells: Vec<String>,
+    pub(crate) cells: Vec<String>,
 }
 
 /// The side to which a column's cells are flush.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Align {
+pub(crate) enum Align {
     Left,
     Right,
 }
@@ -27,12 +27,12 @@ impl Column {
 }
 
 /// The width of the table, in characters.
-pub(super) fn width(columns: &[&Column]) -> usize {
+pub(crate) fn width(columns: &[&Column]) -> usize {
     columns.iter().map(|column| column.width()).sum::<usize>() + GAP * columns.len().saturating_sub(1)
 }
 
 /// The table's lines, with a rule below the first `n_header`.
-pub(super) fn lines(columns: &[&Column], n_header: usize) -> Vec<String> {
+pub(crate) fn lines(columns: &[&Column], n_header: usize) -> Vec<String> {
     let n_lines = columns.first().map_or(0, |column| column.cells.len());
     let mut lines: Vec<_> = (0..n_lines).map(|i| line(columns, i)).collect();
     lines.insert(n_header, "\u{2500}".repeat(width(columns)));

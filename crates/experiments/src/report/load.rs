@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::{Interval, Policy, Report, Row, RunRow};
+use super::{Collapsed, Interval, Policy, Report, Row, RunRow};
+use crate::collapse::{Collapse, of_evaluation};
 use crate::episode::SeedSummary;
 use crate::store::{Cell, Index, IndexedRun, RESULTS_VERSION, RunFolder, RunInfo, State, StoreError};
 
@@ -22,7 +23,8 @@ pub fn load(root: &Path) -> Result<Report, StoreError> {
         let loaded: Vec<RunRow> = cell.runs.iter().map(|run| found.run(root, cell, run)).collect::<Result<_, _>>()?;
         for (k, evaluation) in cell.evaluations.iter().enumerate() {
             let seeds: Vec<SeedSummary> = loaded.iter().filter_map(|run| run.summaries[k].1).collect();
-            rows.push(Row::of_seeds(cell.axes.clone(), evaluation.world.clone(), &seeds));
+            let row = Row::of_seeds(cell.axes.clone(), evaluation.world.clone(), &seeds);
+            rows.push(Row { collapsed: Collapsed::of(&loaded), ..row });
         }
         runs.extend(loaded);
     }
@@ -61,7 +63,9 @@ impl Found {
             State::Damaged { .. } => Policy::Damaged,
             State::Unfinished => Policy::Unfinished,
         };
-        Ok(RunRow { axes: cell.axes.clone(), seed: run.seed, train_id: run.train_id.clone(), summaries, policy })
+        let collapse = if matches!(policy, Policy::At(_)) { collapse(&folder, &summaries)? } else { Vec::new() };
+        let (axes, train_id) = (cell.axes.clone(), run.train_id.clone());
+        Ok(RunRow { axes, seed: run.seed, train_id, summaries, policy, collapse })
     }
 
     fn is_whole(&mut self, state: &State) -> bool {
@@ -92,6 +96,14 @@ impl Found {
         }
         warnings
     }
+}
+
+/// What the training left as its verdict, and what the evaluations say.
+fn collapse(folder: &RunFolder, summaries: &[(String, Option<SeedSummary>)]) -> Result<Vec<Collapse>, StoreError> {
+    let mut found = folder.collapse()?.unwrap_or_default();
+    let worlds: Option<Vec<SeedSummary>> = summaries.iter().map(|(_, summary)| *summary).collect();
+    found.extend(worlds.and_then(|worlds| of_evaluation(&worlds)));
+    Ok(found)
 }
 
 fn counts(values: impl Iterator<Item = String>) -> BTreeMap<String, usize> {

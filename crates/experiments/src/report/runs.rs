@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::Report;
 use super::layout::{Align, Column, lines};
 use super::table::{UNDEFINED, number};
+use crate::collapse::Collapse;
 use crate::episode::{Metric, SeedSummary};
 use crate::store::{AxisLevel, Id};
 
@@ -21,6 +22,8 @@ pub struct RunRow {
     pub summaries: Vec<(String, Option<SeedSummary>)>,
     /// Where the policy lies.
     pub policy: Policy,
+    /// How the policy collapsed, by its training and by its evaluations; nothing of one that was not trained.
+    pub collapse: Vec<Collapse>,
 }
 
 /// Where the policy of a run lies.

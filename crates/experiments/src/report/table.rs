@@ -10,8 +10,13 @@ use crate::episode::{Metric, Quantity};
 const N_HEADER: usize = 3;
 
 /// The metrics that leave the table if it is too wide, first to last.
-const DISPENSABLE: [Metric; 4] =
-    [Metric::DecelerationsPerM, Metric::Spl, Metric::NeedlessDecelerationsPerM, Metric::SpeedNearObstacles];
+const DISPENSABLE: [Metric; 5] = [
+    Metric::MeanJerk,
+    Metric::DecelerationsPerM,
+    Metric::Spl,
+    Metric::NeedlessDecelerationsPerM,
+    Metric::SpeedNearObstacles,
+];
 
 /// What stands where there is no number.
 pub(super) const UNDEFINED: &str = "\u{2013}";
@@ -38,6 +43,7 @@ impl Report {
         }
         let mut text = lines(&columns.iter().collect::<Vec<_>>(), N_HEADER);
         text.extend(self.legend(&metrics));
+        text.extend(self.collapsed());
         text.extend(self.notes());
         text.join("\n") + "\n"
     }
@@ -137,6 +143,7 @@ fn header(metric: Metric) -> [&'static str; N_HEADER] {
         Metric::DecelerationsPerM => ["decele-", "rations", "1/m"],
         Metric::NeedlessDecelerationsPerM => ["needless", "decel.", "1/m"],
         Metric::Spl => ["", "SPL", ""],
+        Metric::MeanJerk => ["mean", "jerk", "m/s\u{b3}"],
         Metric::Vetoes => ["shield's", "vetoes", "%"],
         Metric::Stops => ["shield's", "stops", "%"],
     }
@@ -157,7 +164,7 @@ fn interval_cell(row: &Row, metric: Metric) -> String {
 pub(super) fn number(value: f64, quantity: Quantity) -> String {
     match quantity {
         Quantity::Rate => format!("{:.1}", 100.0 * value),
-        Quantity::Speed | Quantity::PerMetre | Quantity::Score => format!("{value:.2}"),
+        Quantity::Speed | Quantity::PerMetre | Quantity::Jerk | Quantity::Score => format!("{value:.2}"),
     }
 }
 

@@ -69,6 +69,7 @@ pub use choices::choices;
 pub use error::{Fault, Place, SpecError};
 pub use grid::{Cell, Grid};
 pub use head::{Axis, Seeds};
+pub(crate) use names::check_folder;
 pub use path::KeyPath;
 pub use policy::{PolicySpec, ShieldOption};
 pub use run::{EvaluateSpec, EvaluateWorld, RunSpec, Stage, TrainSpec};

@@ -66,7 +66,7 @@ pub(super) fn mark_complete(folder: &Path) -> Result<(), StoreError> {
 /// # Errors
 /// [`StoreError::Io`] if a file is there and cannot be read.
 pub(super) fn state(folder: &Path) -> Result<State, StoreError> {
-    let Some(done) = read(&folder.join(FILE))? else { return Ok(State::Unfinished) };
+    let Some(done) = read_if_there(&folder.join(FILE))? else { return Ok(State::Unfinished) };
     let damaged = |what| Ok(State::Damaged { folder: folder.to_owned(), what });
     let done = String::from_utf8_lossy(&done);
     if done.lines().next().is_none() {
@@ -76,7 +76,7 @@ pub(super) fn state(folder: &Path) -> Result<State, StoreError> {
         let Some((expected, name)) = line.split_once("  ") else {
             return damaged(format!("its file `{FILE}` is not what was written"));
         };
-        match read(&folder.join(name))? {
+        match read_if_there(&folder.join(name))? {
             None => return damaged(format!("{name} is missing")),
             Some(bytes) if digest(&bytes) != expected => return damaged(format!("{name} is not what was written")),
             Some(_) => {}
@@ -86,7 +86,7 @@ pub(super) fn state(folder: &Path) -> Result<State, StoreError> {
 }
 
 /// The bytes of a file, if it exists.
-fn read(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
+pub(super) fn read_if_there(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
     match fs::read(path) {
         Ok(bytes) => Ok(Some(bytes)),
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),

@@ -7,14 +7,17 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::atomic::{fresh_folder, write_atomically};
-use super::done::{self, State, TIMING};
+use super::done::{self, State, TIMING, read_if_there};
 use super::error::{StoreError, at, unreadable, unserialisable};
 use super::{CODE_REVISION, EvaluationKey, Id, RESULTS_VERSION, Timing};
+use crate::collapse::Collapse;
 use crate::episode::EpisodeRecord;
+use crate::train::MetricsRow;
 
 const SPEC: &str = "spec.toml";
 const INFO: &str = "run.json";
 const METRICS: &str = "metrics.csv";
+const COLLAPSE: &str = "collapse.json";
 const POLICY: &str = "policy.safetensors";
 const EPISODES: &str = "episodes.csv";
 
@@ -117,6 +120,29 @@ impl RunFolder {
         read_json(&self.path.join(TIMING))
     }
 
+    /// The rows of the run's `metrics.csv`, as far as they are written; none if nothing is, or nothing is trained.
+    ///
+    /// # Errors
+    /// [`StoreError::Io`], and [`StoreError::Parse`] if a whole line is not what this version reads.
+    pub fn metrics(&self) -> Result<Vec<MetricsRow>, StoreError> {
+        let path = self.path.join(METRICS);
+        let Some(mut bytes) = read_if_there(&path)? else { return Ok(Vec::new()) };
+        // A line that is still being written has no end.
+        bytes.truncate(bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1));
+        csv::Reader::from_reader(&bytes[..]).deserialize().collect::<Result<_, _>>().map_err(unreadable(&path))
+    }
+
+    /// How the policy had collapsed by the end of its training: the run's `collapse.json`; none if an earlier version made the
+    /// run, or nothing is trained.
+    ///
+    /// # Errors
+    /// [`StoreError::Io`], [`StoreError::Parse`].
+    pub fn collapse(&self) -> Result<Option<Vec<Collapse>>, StoreError> {
+        let path = self.path.join(COLLAPSE);
+        let bytes = read_if_there(&path)?;
+        bytes.map(|bytes| serde_json::from_slice(&bytes).map_err(unreadable(&path))).transpose()
+    }
+
     /// The folder of one of the run's evaluations, which may not exist yet.
     pub fn evaluation(&self, id: &Id) -> EvaluationFolder {
         EvaluationFolder { path: self.path.join("evaluations").join(id.as_str()) }
@@ -147,6 +173,14 @@ impl PendingRun {
     pub fn write_policy(&self, bytes: &[u8]) -> Result<(), StoreError> {
         let path = self.folder.policy_path();
         fs::write(&path, bytes).map_err(at("write", &path))
+    }
+
+    /// Writes `collapse.json`: how the policy had collapsed by the end.
+    ///
+    /// # Errors
+    /// [`StoreError::Io`].
+    pub fn write_collapse(&self, verdict: &[Collapse]) -> Result<(), StoreError> {
+        write_json(&self.folder.path.join(COLLAPSE), &verdict)
     }
 
     /// Writes `timing.json` and, last, marks the run as complete.

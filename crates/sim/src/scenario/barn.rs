@@ -66,6 +66,8 @@ const N_ROWS: usize = 64;
 const FIELD: usize = 33;
 /// How many fields are drawn before one gives up.
 const TRIES: usize = 300;
+/// How many open fields are tried for a crowd.
+const CROWD_TRIES: usize = 20;
 
 const START: [f64; 2] = [-2.0, 3.0];
 const GOAL: [f64; 2] = [-2.0, 13.0];
@@ -93,7 +95,7 @@ impl BarnSpec {
         &self,
         footprint: &Footprint,
         mut layout: impl RngExt,
-        crowd: ChaCha8Rng,
+        mut crowd: ChaCha8Rng,
     ) -> Result<Scenario, SimError> {
         let rng = &mut layout;
         let rule = Self::goal_rule();
@@ -101,6 +103,7 @@ impl BarnSpec {
         let (start, goal) = (Point::from(START), Point::from(GOAL));
         let free = |lattice: Lattice| Passage::new(&lattice, clearance + lattice.step / 2.0 + PITCH / 2.0);
         let passage = Lattice::new(&self.room(), rule.clearance).map(free);
+        let mut crowded_out = Vec::new();
         for _ in 0..TRIES {
             let field = self.draw_field(rng);
             // Most fields are blocked, and a world of one costs much more than to see it.
@@ -111,11 +114,15 @@ impl BarnSpec {
             if PathCheck::new(&world, &Footprint::disc(clearance), &rule).joins(&start, &goal) {
                 let start = Pose::new(start.coords, FRAC_PI_2);
                 let scenario = Scenario { world, start, goal, goal_rule: rule, crowd: None };
-                return populate(scenario, self.crowd.as_ref(), footprint, crowd);
+                match populate(scenario, self.crowd.as_ref(), footprint, &mut crowd) {
+                    Err(error) if crowded_out.len() + 1 == CROWD_TRIES => return Err(error),
+                    Err(error) => crowded_out.push(error),
+                    made => return made,
+                }
             }
         }
-        let room = self.room();
-        Err(rule.no_route(&room, &Footprint::disc(clearance), TRIES))
+        let no_route = || rule.no_route(&self.room(), &Footprint::disc(clearance), TRIES);
+        Err(crowded_out.pop().unwrap_or_else(no_route))
     }
 
     fn draw_field(&self, rng: &mut impl RngExt) -> Field {

@@ -21,13 +21,13 @@ const PAIR_TRIES: usize = 50;
 /// for the two ends and one for the crowd.
 ///
 /// The room, the number of obstacles and their shapes are drawn once; only where they stand is drawn again
-/// when they do not fit. Drawing all again would favour large rooms with few and small obstacles.
+/// when they do not fit, or their crowd does not fit among them. Drawing all again would favour large rooms with few and small obstacles.
 pub(super) fn scenario(
     spec: &RoomSpec,
     footprint: &Footprint,
     mut layout: impl RngExt,
     mut ends: impl RngExt,
-    crowd: ChaCha8Rng,
+    mut crowd: ChaCha8Rng,
 ) -> Result<Scenario, SimError> {
     let (layout, ends) = (&mut layout, &mut ends);
     let room = Room::new(spec.width.sample(layout), spec.height.sample(layout));
@@ -37,10 +37,11 @@ pub(super) fn scenario(
     for _ in 0..LAYOUT_TRIES {
         let made = furnish(room, &shapes, spec.min_gap, layout).and_then(|world| {
             let (start, goal) = start_and_goal(&rule, &world, footprint, ends)?;
-            Ok(Scenario { world, start, goal, goal_rule: rule, crowd: None })
+            let scenario = Scenario { world, start, goal, goal_rule: rule, crowd: None };
+            populate(scenario, spec.crowd.as_ref(), footprint, &mut crowd)
         });
         match made {
-            Ok(scenario) => return populate(scenario, spec.crowd.as_ref(), footprint, crowd),
+            Ok(scenario) => return Ok(scenario),
             Err(error) => last_error = Some(error),
         }
     }

@@ -119,7 +119,7 @@ fn line(name: &str, what: &str) -> String {
 impl Conditions {
     fn table(&self) -> String {
         let shield = self.shield.map_or("none".to_owned(), |ShieldSpec { margin, confidence, noise, latency }| {
-            format!("margin {margin} m, confidence {confidence}, noise {noise} m, latency {latency} s")
+            format!("margin {margin} m, confidence {confidence}, noise {noise}, latency {latency} s")
         });
         let lines = [
             ("driver", self.driver.words()),

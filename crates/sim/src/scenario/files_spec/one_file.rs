@@ -74,7 +74,7 @@ impl OneFile {
         };
         let (start, goal) = ends.map_err(|e| self.refusal(e))?;
         let scenario = Scenario { world: world.clone(), start, goal, goal_rule: *rule, crowd: None };
-        populate(scenario, crowd, footprint, crowd_rng).map_err(|e| self.refusal(e))
+        populate(scenario, crowd, footprint, &mut crowd_rng).map_err(|e| self.refusal(e))
     }
 
     /// What does not work out in this file.

@@ -1,0 +1,116 @@
+//! Which seeds of a cell collapsed.
+
+use serde::ser::{Serialize, SerializeMap, Serializer};
+
+use super::{Policy, Report, Row, RunRow, TABLE_WIDTH};
+use crate::collapse::Collapse;
+
+/// Which of a cell's seeds collapsed, of those whose training is over.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Collapsed {
+    /// Number of seeds that were trained.
+    pub n_trained: usize,
+    /// Those that collapsed, in the order of the seeds.
+    pub seeds: Vec<CollapsedSeed>,
+}
+
+/// One seed that collapsed.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct CollapsedSeed {
+    /// The training seed.
+    pub seed: u64,
+    /// How it collapsed; in one way or more.
+    pub how: Vec<Collapse>,
+}
+
+impl Collapsed {
+    /// Those among the runs of a cell.
+    pub(super) fn of(runs: &[RunRow]) -> Self {
+        let collapsed = runs.iter().filter(|run| !run.collapse.is_empty());
+        Self {
+            n_trained: runs.iter().filter(|run| matches!(run.policy, Policy::At(_))).count(),
+            seeds: collapsed.map(|run| CollapsedSeed { seed: run.seed, how: run.collapse.clone() }).collect(),
+        }
+    }
+
+    /// For example `2 of 5 seeds collapsed: seed 0 spins, makes no progress; seed 3 times out`; nothing if none did.
+    pub fn text(&self) -> Option<String> {
+        if self.seeds.is_empty() {
+            return None;
+        }
+        let seed = |CollapsedSeed { seed, how }: &CollapsedSeed| {
+            let how: Vec<_> = how.iter().map(Collapse::short).collect();
+            format!("seed {seed} {}", how.join(", "))
+        };
+        let seeds: Vec<String> = self.seeds.iter().map(seed).collect();
+        Some(format!("{} of {} seeds collapsed: {}", seeds.len(), self.n_trained, seeds.join("; ")))
+    }
+}
+
+impl Serialize for Collapsed {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(3))?;
+        map.serialize_entry("seeds", &self.seeds.len())?;
+        map.serialize_entry("of", &self.n_trained)?;
+        map.serialize_entry("verdicts", &self.seeds)?;
+        map.end()
+    }
+}
+
+impl Report {
+    /// The lines that stand below the table: one for each cell of which a seed collapsed.
+    pub(super) fn collapsed(&self) -> Vec<String> {
+        let cells = self.rows.chunk_by(|row, next| row.axes == next.axes).map(|rows| &rows[0]);
+        let line = |row: &Row| {
+            let levels: Vec<&str> = row.axes.iter().map(|level| level.level.as_str()).collect();
+            let start = if levels.is_empty() { String::new() } else { levels.join(" ") + ": " };
+            row.collapsed.text().map(|text| wrapped(&(start + &text)))
+        };
+        cells.filter_map(line).collect()
+    }
+}
+
+/// The text in lines no wider than the table, all but the first of them indented.
+fn wrapped(text: &str) -> String {
+    const INDENT: &str = "    ";
+    let (mut lines, mut width) = (String::new(), 0);
+    for word in text.split(' ') {
+        let n = word.chars().count();
+        if width > 0 && width + 1 + n > TABLE_WIDTH {
+            lines.push('\n');
+            lines.push_str(INDENT);
+            width = INDENT.len();
+        } else if width > 0 {
+            lines.push(' ');
+            width += 1;
+        }
+        lines.push_str(word);
+        width += n;
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_lines_are_wrapped() {
+        let text = wrapped(&["word"; 60].join(" "));
+        assert!(text.lines().all(|line| line.chars().count() <= TABLE_WIDTH));
+        assert!(text.lines().skip(1).all(|line| line.starts_with("    word")));
+        assert_eq!(text.split_whitespace().count(), 60);
+        assert_eq!(wrapped("a b"), "a b");
+    }
+
+    #[test]
+    fn how_many_and_which() {
+        let how = vec![Collapse::Spinning { share: 0.8 }, Collapse::OneAction { entropy: 0.0 }];
+        let other = vec![Collapse::TimesOut { timeouts: 1.0, mean_speed: 0.0 }];
+        let seeds = vec![CollapsedSeed { seed: 0, how }, CollapsedSeed { seed: 3, how: other }];
+        let collapsed = Collapsed { n_trained: 5, seeds };
+        let text = "2 of 5 seeds collapsed: seed 0 spins, has one action; seed 3 times out";
+        assert_eq!(collapsed.text().unwrap(), text);
+        assert_eq!(Collapsed { n_trained: 5, seeds: Vec::new() }.text(), None);
+    }
+}
