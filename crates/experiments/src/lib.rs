@@ -1,5 +1,6 @@
 //! Specs, grids, the training loop, evaluation, statistics and reports: the experiments binary.
 
+pub mod audit;
 pub mod candidate;
 pub mod cli;
 mod difference;
