@@ -127,10 +127,9 @@ fn paces(scene: &Scene<'_>) -> Vec<(Pace, f64)> {
 }
 
 /// A driver that goes on for ever.
-fn for_ever(behaviour: Behaviour, speed: f64, cycle: Option<(Vec<f64>, Vec<f64>)>) -> Option<Driven> {
-    let (start, cycle) = cycle?;
-    let n_steps = start.len();
-    Some(Driven { behaviour, speed, end: End::Never, n_steps, payments: Payments { start, cycle } })
+fn for_ever(behaviour: Behaviour, speed: f64, payments: Option<Payments>) -> Option<Driven> {
+    let payments = payments?;
+    Some(Driven { behaviour, speed, end: End::Never, n_steps: payments.start.len(), payments })
 }
 
 fn park(scene: &Scene<'_>) -> Result<Option<Driven>, Error> {

@@ -43,11 +43,63 @@ impl Payments {
         if cycle.abs() <= 1e-9 * size { start } else { f64::INFINITY.copysign(cycle) }
     }
 
+    /// Whether this has a greater return than `other` at a gamma below 1, be it by ever so little: what the two have in
+    /// common at the beginning is left aside, and with it the discount that would hide the rest.
+    pub fn exceeds(&self, other: &Self, gamma: f64) -> bool {
+        // Two cycles that agree for as long as both take together agree for ever.
+        let n_steps = self.start.len().max(other.start.len()) + self.cycle.len() + other.cycle.len();
+        let differs = |i: &usize| !is_same(self.at(*i), other.at(*i));
+        let Some(first) = (0..n_steps).find(differs) else { return false };
+        let (mut sum, mut size, mut factor) = (0.0, 0.0, 1.0);
+        for i in first..n_steps {
+            let (own, others) = (self.at(i), other.at(i));
+            sum += factor * (own - others);
+            size += factor * (own.abs() + others.abs());
+            factor *= gamma;
+            if factor < NEGLIGIBLE {
+                break;
+            }
+        }
+        let (own, others) = (self.from(n_steps, gamma), other.from(n_steps, gamma));
+        sum += factor * (own - others);
+        size += factor * (own.abs() + others.abs());
+        sum > SAME * size
+    }
+
+    /// The pay of step `i`.
+    fn at(&self, i: usize) -> f64 {
+        let n = self.cycle.len();
+        match i.checked_sub(self.start.len()) {
+            None => self.start[i],
+            Some(_) if n == 0 => 0.0,
+            Some(later) => self.cycle[later % n],
+        }
+    }
+
+    /// The return of what is left at step `i` of the cycle or after the end.
+    fn from(&self, i: usize, gamma: f64) -> f64 {
+        if self.cycle.is_empty() {
+            return 0.0;
+        }
+        let mut cycle = self.cycle.clone();
+        cycle.rotate_left((i - self.start.len()) % self.cycle.len());
+        Self { start: Vec::new(), cycle }.discounted(gamma)
+    }
+
     /// The mean pay of a step: of the cycle, or of the whole way to the end.
     pub fn per_step(&self) -> f64 {
         let steps = if self.cycle.is_empty() { &self.start } else { &self.cycle };
         steps.iter().sum::<f64>() / steps.len().max(1) as f64
     }
+}
+
+/// Pays, and sums of them, that differ by less than this part of their size are the same: simulated steps settle as nearly.
+const SAME: f64 = 1e-8;
+/// A discount that hides what it is applied to.
+const NEGLIGIBLE: f64 = 1e-20;
+
+fn is_same(a: f64, b: f64) -> bool {
+    (a - b).abs() <= SAME * (a.abs() + b.abs())
 }
 
 /// `sum_i x^i numbers_i`.
@@ -68,6 +120,20 @@ mod tests {
                 payments.start.iter().chain(cycle).take(n).enumerate().map(|(k, pay)| gamma.powi(k as i32) * pay).sum()
             };
             assert!((payments.discounted(gamma) - slow(5000)).abs() < 1e-9, "{gamma}");
+        }
+    }
+
+    #[test]
+    fn what_differs_late_is_compared_at_every_discount() {
+        let alive = Payments { start: vec![], cycle: vec![10.0] };
+        let arrived = |n: usize| Payments { start: [vec![10.0; n - 1], vec![100.0]].concat(), cycle: vec![] };
+        let again = Payments { start: vec![], cycle: [vec![10.0; 39], vec![11.0]].concat() };
+        for gamma in [0.01, 0.5, 0.8999, 0.9001, 0.999] {
+            // 10 / (1 - gamma) against 100, whenever that is paid.
+            assert_eq!(alive.exceeds(&arrived(200), gamma), gamma > 0.9);
+            assert_eq!(arrived(200).exceeds(&alive, gamma), gamma < 0.9);
+            assert!(again.exceeds(&alive, gamma) && !alive.exceeds(&again, gamma));
+            assert!(!alive.exceeds(&alive, gamma) && !again.exceeds(&again, gamma));
         }
     }
 

@@ -78,25 +78,31 @@ impl SpeedTerm {
     pub(super) fn of(scene: &Scene<'_>) -> Result<Self, Error> {
         let (desired, [lowest, highest]) = (scene.case.desired_speed(), scene.case.speeds);
         let speeds = RANGE.map(|part| (part * desired).clamp(lowest.max(1e-3 * highest), highest));
-        let mut by_speed = 0.0_f64;
-        let mut most = 0.0_f64;
+        let (mut by_speed, mut most) = (0.0_f64, 0.0_f64);
         let mut at_desired_speed = Vec::new();
         for place in Place::ALL {
-            let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+            let Some(pay) = pay_at(scene, desired, place)? else { continue };
+            at_desired_speed.push((place, pay));
+            let mut pays = vec![pay];
             for k in 0..N_SPEEDS {
                 let speed = speeds[0] + (speeds[1] - speeds[0]) * k as f64 / (N_SPEEDS - 1) as f64;
-                let Some(pay) = pay_at(scene, speed, place)? else { continue };
-                range = [range[0].min(pay), range[1].max(pay)];
-                most = most.max(pay.abs());
+                pays.extend(pay_at(scene, speed, place)?);
             }
-            by_speed = by_speed.max(range[1] - range[0]);
-            at_desired_speed.extend(pay_at(scene, desired, place)?.map(|pay| (place, pay)));
+            by_speed = by_speed.max(spread(&pays));
+            most = pays.iter().fold(most, |most, pay| most.max(pay.abs()));
         }
-        let pays = || at_desired_speed.iter().map(|(_, pay)| *pay);
-        let by_place = (pays().fold(f64::NEG_INFINITY, f64::max) - pays().fold(f64::INFINITY, f64::min)).max(0.0);
+        let pays: Vec<f64> = at_desired_speed.iter().map(|(_, pay)| *pay).collect();
+        let by_place = spread(&pays);
         let verdict = judge(by_speed, by_place, most);
         Ok(Self { speeds, by_speed, by_place, desired_speed: desired, at_desired_speed, verdict })
     }
+}
+
+/// How far the greatest of some pays is above the least; 0 of none.
+fn spread(pays: &[f64]) -> f64 {
+    let [least, most] =
+        pays.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], pay| [least.min(*pay), most.max(*pay)]);
+    (most - least).max(0.0)
 }
 
 fn judge(by_speed: f64, by_place: f64, most: f64) -> SpeedVerdict {

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use headway_env::{Event, Mdp, Navigator};
 use headway_sim::{Command, GoalRule, Obstacle, Point, Pose, Room, Scenario, Shape, VehicleState, World};
 
+use super::Payments;
 use crate::Error;
 
 /// Radius of the disc, metres: the mean of those in the rooms of Liu et al.
@@ -72,8 +73,9 @@ impl Ride {
         Ok(self.event.is_none() && is_over(self.vehicle()))
     }
 
-    /// Drives `n_steps` by one command, after which all is to be as before: what they are paid, if it is.
-    pub(super) fn cycle(mut self, command: Command, n_steps: usize) -> Result<Option<(Vec<f64>, Vec<f64>)>, Error> {
+    /// Drives `n_steps` by one command, after which all is to be as before: what the vehicle is paid if it goes on so for ever,
+    /// or none if not all is as before.
+    pub(super) fn cycle(mut self, command: Command, n_steps: usize) -> Result<Option<Payments>, Error> {
         let (n_before, from) = (self.pays.len(), self.vehicle().pose);
         for _ in 0..n_steps {
             self.drive(command)?;
@@ -84,7 +86,7 @@ impl Ride {
         let off = from.inverse() * self.vehicle().pose;
         let is_closed = off.translation.vector.norm() < CLOSED && off.rotation.angle().abs() < CLOSED;
         let cycle = self.pays.split_off(n_before);
-        Ok(is_closed.then_some((self.pays, cycle)))
+        Ok(is_closed.then_some(Payments { start: self.pays, cycle }))
     }
 
     pub(super) fn vehicle(&self) -> &VehicleState {

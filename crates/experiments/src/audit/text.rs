@@ -134,7 +134,9 @@ impl Audit {
         } else if best >= highest {
             format!("of those that arrive, the fastest is paid best: {best:.2} m/s of {range}")
         } else if best <= lowest {
-            format!("of those that arrive, the slowest is paid best, {best:.2} m/s of {range}: it pays for taking time")
+            format!(
+                "of those that arrive, the slowest is paid best, {best:.2} m/s of {range}: WARNING, it pays for taking time"
+            )
         } else {
             format!("of those that arrive, that at {best:.2} m/s is paid best, of {range}")
         }

@@ -71,35 +71,24 @@ impl Audit {
     pub fn of(case: &Case) -> Result<Self, Error> {
         let scene = Scene::new(case)?;
         let driven = drive_all(&scene)?;
-        let (arriving, others): (Vec<&Driven>, Vec<&Driven>) = driven.iter().partition(|d| d.end == End::Arrives);
-        let gamma = case.gamma.min(MOST_GAMMA);
-        let pays = |driven: &&Driven| driven.payments.discounted(gamma);
-        let Some(best) = arriving.iter().rev().max_by(|a, b| pays(a).total_cmp(&pays(b))) else {
+        let sides = Sides::of(&driven);
+        let Some((best, worst)) = sides.best_and_worst_arriving(rank_gamma(case)) else {
             return Err(Error::Input(format!(
                 "no scripted driver arrives: at every speed a step leads past the goal (env.reach_radius = {} m), or \
                  the way takes more than {MAX_STEPS} steps of {} s",
                 case.reach_radius, case.vehicle.control_period
             )));
         };
-        let worst = arriving.iter().map(pays).fold(f64::INFINITY, f64::min);
-        let most = |drivers: &[&Driven], gamma: f64| {
-            drivers.iter().map(|driven| driven.payments.discounted(gamma)).fold(f64::NEG_INFINITY, f64::max)
-        };
-        let arriving_is_more = is_more(most(&arriving, gamma), most(&others, gamma));
-        let speeds = arriving.iter().map(|driven| driven.speed);
-        let mut kept: Vec<&Driven> = driven.iter().filter(|d| d.behaviour != Behaviour::Arrive(Pace::Other)).collect();
-        kept.extend(Some(*best).filter(|best| best.behaviour == Behaviour::Arrive(Pace::Other)));
-        let mut drivers: Vec<Paid> = kept.into_iter().map(|driven| Paid::of(driven, case)).collect();
-        // To seven digits, so that what is equal but for rounding stays in the drivers' own order.
-        drivers.sort_by(|a, b| (b.rank as f32).total_cmp(&(a.rank as f32)));
+        let (rank_best, rank_worst) = (rank(best, case), rank(worst, case));
+        let speeds = || sides.arriving.iter().map(|driven| driven.speed);
         Ok(Self {
-            passes: arriving_is_more,
+            passes: sides.others.iter().all(|other| is_more(rank_best, rank(other, case))),
             goal_distance: scene.goal_distance,
-            drivers,
-            not_arriving_pays_more: intervals(|gamma| is_more(most(&others, gamma), most(&arriving, gamma))),
-            arriving_speeds: [speeds.clone().fold(f64::INFINITY, f64::min), speeds.fold(0.0, f64::max)],
+            drivers: shown(&driven, best, case),
+            not_arriving_pays_more: intervals(|gamma| sides.not_arriving_pays_more(gamma)),
+            arriving_speeds: [speeds().fold(f64::INFINITY, f64::min), speeds().fold(0.0, f64::max)],
             best_arriving_speed: best.speed,
-            arriving_speed_is_indifferent: !is_more(pays(best), worst),
+            arriving_speed_is_indifferent: !is_more(rank_best, rank_worst),
             speed_term: SpeedTerm::of(&scene)?,
         })
     }
@@ -127,6 +116,54 @@ impl Audit {
     }
 }
 
+/// Drivers that arrive, and others.
+struct Sides<'a> {
+    arriving: Vec<&'a Driven>,
+    others: Vec<&'a Driven>,
+}
+
+impl<'a> Sides<'a> {
+    fn of(driven: &'a [Driven]) -> Self {
+        let (arriving, others) = driven.iter().partition(|driven| driven.end == End::Arrives);
+        Self { arriving, others }
+    }
+
+    /// Of those that arrive; of several that are paid the same, the first.
+    fn best_and_worst_arriving(&self, gamma: f64) -> Option<(&'a Driven, &'a Driven)> {
+        let pays = |driven: &&Driven| driven.payments.discounted(gamma);
+        let best = self.arriving.iter().copied().rev().max_by(|a, b| pays(a).total_cmp(&pays(b)))?;
+        let worst = self.arriving.iter().copied().min_by(|a, b| pays(a).total_cmp(&pays(b)))?;
+        Some((best, worst))
+    }
+
+    /// Whether one of the others is paid more than all that arrive.
+    fn not_arriving_pays_more(&self, gamma: f64) -> bool {
+        let exceeds = |other: &Driven, driven: &Driven| other.payments.exceeds(&driven.payments, gamma);
+        self.others.iter().any(|other| self.arriving.iter().all(|driven| exceeds(other, driven)))
+    }
+}
+
+/// The drivers of the table, the best paid first: all but those that arrive at one of many speeds, of which only the best.
+fn shown(driven: &[Driven], best: &Driven, case: &Case) -> Vec<Paid> {
+    let is_named = |driven: &&Driven| driven.behaviour != Behaviour::Arrive(Pace::Other);
+    let best = Some(best).filter(|best| !is_named(best));
+    let mut drivers: Vec<Paid> =
+        driven.iter().filter(is_named).chain(best).map(|driven| Paid::of(driven, case)).collect();
+    // To seven digits, so that what is equal but for rounding stays in the drivers' own order.
+    drivers.sort_by(|a, b| (b.rank as f32).total_cmp(&(a.rank as f32)));
+    drivers
+}
+
+/// The discount at which drivers are compared.
+fn rank_gamma(case: &Case) -> f64 {
+    case.gamma.min(MOST_GAMMA)
+}
+
+/// The return by which a driver is compared.
+fn rank(driven: &Driven, case: &Case) -> f64 {
+    driven.payments.discounted(rank_gamma(case))
+}
+
 impl Paid {
     fn of(driven: &Driven, case: &Case) -> Self {
         let dt = case.vehicle.control_period;
@@ -136,13 +173,13 @@ impl Paid {
             end: driven.end,
             seconds: (driven.end != End::Never).then_some(driven.n_steps as f64 * dt),
             discounted: driven.payments.discounted(case.gamma),
-            rank: driven.payments.discounted(case.gamma.min(MOST_GAMMA)),
+            rank: rank(driven, case),
             per_second: driven.payments.per_step() / dt,
         }
     }
 }
 
-/// Whether `a` is above `b`, and not by rounding alone; the greatest return of no driver is `-inf`.
+/// Whether `a` is above `b`, and not by rounding alone.
 fn is_more(a: f64, b: f64) -> bool {
-    if b == f64::NEG_INFINITY { a > b } else { a - b > TIE * (a.abs() + b.abs()) }
+    a - b > TIE * (a.abs() + b.abs())
 }
