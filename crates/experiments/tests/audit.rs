@@ -149,6 +149,25 @@ fn a_loophole_of_a_plugins_reward_is_found() {
     assert!(0.95 < from && from < 0.99, "{from}");
 }
 
+/// A plugin's reward that fails at rest.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct Slowness {}
+
+#[typetag::serde(name = "audit_test/slowness")]
+impl Reward for Slowness {
+    fn reward(&self, t: &Transition<'_>) -> f64 {
+        1.0 / t.after.speed
+    }
+}
+
+#[test]
+fn a_pay_that_is_no_number_is_refused() {
+    let error = Audit::of(&case(Slowness {})).unwrap_err();
+    let expected = "reward: pays inf for a step to a speed of 0.00 m/s, 4.00 m from the goal; must be finite";
+    assert_eq!((error.to_string().as_str(), error.exit_code()), (expected, 2));
+}
+
 fn audit(args: &[&str]) -> Output {
     let specs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../specs");
     let mut command = Command::new(env!("CARGO_BIN_EXE_experiments"));

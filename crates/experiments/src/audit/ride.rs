@@ -53,8 +53,11 @@ impl Ride {
     pub(super) fn drive(&mut self, command: Command) -> Result<(), Error> {
         let end = self.navigator.drive(command).map_err(Error::failure)?;
         if !end.reward.is_finite() {
-            let step = self.navigator.transition();
-            return Err(Error::Input(format!("the reward is {} for the step {step:?}; it must be finite", end.reward)));
+            let after = self.navigator.transition().after;
+            return Err(Error::Input(format!(
+                "reward: pays {} for a step to a speed of {:.2} m/s, {:.2} m from the goal; must be finite",
+                end.reward, after.speed, after.goal_distance
+            )));
         }
         self.pays.push(end.reward);
         self.event = end.event;
