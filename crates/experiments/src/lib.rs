@@ -1,5 +1,6 @@
 //! Specs, grids, the training loop, evaluation and reports: the experiments binary.
 
+pub mod audit;
 pub mod candidate;
 pub mod cli;
 pub mod collapse;

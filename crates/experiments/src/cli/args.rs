@@ -12,12 +12,14 @@ const EXAMPLES: &str = "\
 Examples:
   experiments list                                   what a spec can choose from
   experiments check specs/quick.toml                 is it valid, how many runs, how long
+  experiments audit specs/quick.toml                 does its reward pay for arriving
   experiments run specs/quick.toml                   train and evaluate every run not yet done
   experiments run specs/quick.toml --set seeds.count=1 --set train.n_steps=10000
   experiments watch results/quick                    how far each run is, and whether it learns
   experiments report results/quick                   success, collisions, speed, with intervals
 
-Exit codes: 0 success; 2 bad input (nothing was written); 1 any other failure.";
+Exit codes: 0 success; 2 bad input (nothing was written); 3 `audit` found a reward that pays best for not arriving;
+1 any other failure.";
 
 const SET_HELP: &str = "Replace one value of the spec; may be repeated";
 
@@ -55,6 +57,8 @@ pub enum Command {
     Run(RunArgs),
     /// Validate a spec and print its cells, seeds, runs and estimated cost; write nothing.
     Check(CheckArgs),
+    /// Say what the rewards of a spec really pay for, before anything is trained.
+    Audit(AuditArgs),
     /// List the rewards, worlds and choices that a spec can name, with their keys and defaults.
     List(ListArgs),
     /// Summarise a folder of finished runs with intervals over the training seeds.
@@ -103,6 +107,33 @@ pub struct CheckArgs {
     /// The spec file: one run, or a grid of them.
     #[arg(value_name = "SPEC")]
     pub spec: PathBuf,
+    #[arg(long = "set", value_name = "PATH=VALUE", help = SET_HELP, long_help = SET_LONG_HELP)]
+    /// Values to replace in the spec, in order.
+    pub set: Vec<Assignment>,
+}
+
+/// Arguments of `experiments audit`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  experiments audit specs/table1.toml
+  experiments audit specs/default.toml --set agent.gamma=0.99 --distance 10
+  experiments audit specs/default.toml --set 'reward={ type = \"r_couple\" }' --format json
+
+Exit codes: 0 if every reward pays best for arriving; 3 if one does not.")]
+pub struct AuditArgs {
+    /// The spec file: one run, or a grid of them.
+    #[arg(value_name = "SPEC")]
+    pub spec: PathBuf,
+    /// Only the cells with these levels [default: all].
+    #[arg(long, value_name = "AXIS=LEVEL[,AXIS=LEVEL]...", value_delimiter = ',', value_parser = axis_level)]
+    pub cell: Vec<AxisLevel>,
+    /// How far the goal is, metres [default: the least distance of goals in the training's worlds].
+    #[arg(long, value_name = "METRES", value_parser = metres)]
+    pub distance: Option<f64>,
+    /// How to print.
+    #[arg(long, value_enum, default_value_t = AuditFormat::Table)]
+    pub format: AuditFormat,
     #[arg(long = "set", value_name = "PATH=VALUE", help = SET_HELP, long_help = SET_LONG_HELP)]
     /// Values to replace in the spec, in order.
     pub set: Vec<Assignment>,
@@ -224,6 +255,20 @@ pub struct EvaluateArgs {
 fn axis_level(text: &str) -> Result<AxisLevel, String> {
     let (axis, level) = text.split_once('=').ok_or("write AXIS=LEVEL, for example agent=DQN")?;
     Ok(AxisLevel { axis: axis.trim().to_owned(), level: level.trim().to_owned() })
+}
+
+fn metres(text: &str) -> Result<f64, String> {
+    let metres = text.parse().ok().filter(|metres| *metres > 0.0 && *metres <= 1000.0);
+    metres.ok_or_else(|| "must be a number above 0, at most 1000".to_owned())
+}
+
+/// How `experiments audit` prints.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum AuditFormat {
+    /// Text for people.
+    Table,
+    /// JSON, a list of objects: one per case.
+    Json,
 }
 
 /// How `experiments report` prints.

@@ -61,7 +61,7 @@ pub(super) fn choose<'a>(grid: &'a Grid, policy: Option<&Policy>, args: &Evaluat
 }
 
 /// The cells with these levels; not empty.
-fn asked<'a>(grid: &'a Grid, levels: &[AxisLevel]) -> Result<Vec<&'a Cell>, Error> {
+pub(super) fn asked<'a>(grid: &'a Grid, levels: &[AxisLevel]) -> Result<Vec<&'a Cell>, Error> {
     for AxisLevel { axis, level } in levels {
         let refuse = |what: &str, known: Vec<&str>| {
             let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };

@@ -1,6 +1,7 @@
 //! The command line of `experiments`: one file per subcommand.
 
 pub mod args;
+pub mod audit;
 mod cell;
 pub mod check;
 pub mod evaluate;
@@ -26,11 +27,12 @@ use args::{Cli, Command};
 ///
 /// A reward plugin's own binary is two lines: `use my_rewards as _;` and a call of this function.
 ///
-/// Returns 0 on success, 2 on bad input (nothing was written), 1 on any other failure.
+/// Returns 0 on success, 2 on bad input (nothing was written), 3 where `audit` finds a reward that pays best for not
+/// arriving, 1 on any other failure.
 pub fn main() -> ExitCode {
     let result = execute(&Cli::parse().command, &mut io::stdout().lock());
     match result {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             // Where even stderr is closed, the exit code must do.
@@ -40,15 +42,17 @@ pub fn main() -> ExitCode {
     }
 }
 
-fn execute(command: &Command, out: &mut dyn Write) -> Result<(), Error> {
-    match command {
+fn execute(command: &Command, out: &mut dyn Write) -> Result<ExitCode, Error> {
+    let done = match command {
+        Command::Audit(args) => return audit::execute(args, out),
         Command::Check(args) => check::execute(args, out),
         Command::List(args) => list::execute(args, out),
         Command::Report(args) => report::execute(args, out),
         Command::Watch(args) => watch::execute(args, out),
         Command::Run(args) => run::execute(args, out),
         Command::Evaluate(args) => evaluate::execute(args, out),
-    }
+    };
+    done.map(|()| ExitCode::SUCCESS)
 }
 
 /// Whether the reader of our output has seen enough, as `head` has.

@@ -40,6 +40,11 @@ impl RunSpec {
         Ok(())
     }
 
+    /// How far goals are at least in the worlds of the training, metres.
+    pub(crate) fn least_goal_distance(&self) -> f64 {
+        nearest_goals(&self.world, KeyPath::default()).0
+    }
+
     /// Builds the world of every stage once.
     fn check_curriculum(&self) -> Result<(), Fault> {
         for (index, stage) in self.train.curriculum.iter().enumerate() {

@@ -104,10 +104,11 @@ impl VehiclePreset {
                 ..Self::Jackal.spec()
             },
             // f1tenth_gym, f110_env.py, the default parameters: lf 0.15875 m and lr 0.17145 m from the centre of gravity to the
-            // axles, s_max 0.4189 rad, sv_max 3.2 rad/s, v_max 20 m/s, v_min -5 m/s, a_max 9.51 m/s^2, length 0.58 m and width
+            // axles, s_max 0.4189 rad, sv_max 3.2 rad/s, a_max 9.51 m/s^2, length 0.58 m and width
             // 0.31 m around the centre of gravity. No yaw rate there: tyres of that file's friction coefficient, mu = 1.0489,
-            // pass on sqrt(mu g / 0.742 m) = 3.72 rad/s in the tightest turn, of 0.742 m at the rear axle. That file's time
-            // step of 0.01 s is a substep here, of which a command holds for four.
+            // pass on sqrt(mu g / 0.742 m) = 3.72 rad/s in the tightest turn, of 0.742 m at the rear axle, which is 2.76 m/s. That
+            // file goes on to 20 m/s; there tyres slide, which is not modelled here. Its time step of 0.01 s is a substep, of
+            // which a command holds for four.
             Self::F1tenth => VehicleSpec {
                 footprint: rectangle([0.17145 - 0.29, 0.17145 + 0.29], 0.155),
                 drive: Drive::Ackermann {
@@ -115,8 +116,8 @@ impl VehiclePreset {
                     max_steering_angle: 0.4189,
                     max_steering_rate: 3.2,
                 },
-                max_speed: 20.0,
-                max_reverse_speed: 5.0,
+                max_speed: 2.76,
+                max_reverse_speed: 2.76,
                 max_yaw_rate: 3.72,
                 max_acceleration: 9.51,
                 control_period: 0.04,

@@ -63,7 +63,7 @@ impl OneFile {
         footprint: &Footprint,
         mut ends: impl RngExt,
         crowd: Option<&CrowdSpec>,
-        crowd_rng: ChaCha8Rng,
+        mut crowd_rng: ChaCha8Rng,
     ) -> Result<Scenario, SimError> {
         let (world, rule, rng) = (&self.file.world, &self.rule, &mut ends);
         let ends = match (self.file.start, self.file.goal) {
