@@ -1,4 +1,4 @@
-//! Specs, grids, the training loop, evaluation, statistics and reports: the experiments binary.
+//! Specs, grids, the training loop, evaluation and reports: the experiments binary.
 
 pub mod candidate;
 pub mod cli;
@@ -12,7 +12,6 @@ pub mod plot;
 pub mod protocol;
 pub mod report;
 pub mod spec;
-pub mod stats;
 pub mod store;
 pub mod train;
 

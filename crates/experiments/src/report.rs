@@ -10,8 +10,9 @@ mod table;
 pub use load::load;
 pub use runs::{Policy, RunRow};
 
+use headway_stats::{Confidence, Estimate, over_seeds, wilson};
+
 use crate::episode::{EpisodeRecord, Metric, SeedSummary};
-use crate::stats::{Estimate, over_seeds, wilson};
 use crate::store::AxisLevel;
 
 /// The width of terminal tables, in characters.
@@ -128,7 +129,8 @@ fn policy_row(world: &str, episodes: &[EpisodeRecord]) -> Row {
     let mut row = Row::of_seeds(Vec::new(), world.to_owned(), &[SeedSummary::of(episodes)]);
     row.wilson = Metric::ALL.map(|metric| {
         let outcome = metric.outcome()?;
-        wilson(episodes.iter().filter(|e| e.outcome == outcome).count(), episodes.len())
+        let n = episodes.iter().filter(|e| e.outcome == outcome).count();
+        wilson(n, episodes.len(), Confidence::default()).ok().map(headway_stats::Interval::ends)
     });
     row
 }

@@ -9,6 +9,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("headway-sim", &[]),
     ("headway-reward", &[]),
     ("headway-rl", &[]),
+    ("headway-stats", &[]),
     ("headway-sensors", &["headway-sim"]),
     ("headway-planning", &["headway-sensors", "headway-sim"]),
     ("headway-env", &["headway-planning", "headway-reward", "headway-sensors", "headway-sim"]),
@@ -23,6 +24,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "headway-rl",
             "headway-sensors",
             "headway-sim",
+            "headway-stats",
         ],
     ),
 ];

@@ -1,10 +1,10 @@
 //! The report as JSON: a list of objects, one per cell and world.
 
+use headway_stats::Estimate;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::{Report, Row};
 use crate::episode::Metric;
-use crate::stats::Estimate;
 use crate::store::AxisLevel;
 
 impl Report {

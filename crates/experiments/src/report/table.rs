@@ -1,9 +1,10 @@
 //! The report for the terminal.
 
+use headway_stats::Estimate;
+
 use super::layout::{Align, Column, lines, width};
 use super::{Interval, Report, Row, TABLE_WIDTH};
 use crate::episode::{Metric, Quantity};
-use crate::stats::Estimate;
 
 /// Number of header lines.
 const N_HEADER: usize = 3;

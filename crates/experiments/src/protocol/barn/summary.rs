@@ -7,8 +7,8 @@ use serde::Serialize;
 use super::{Clip, Origin, Run, World};
 use crate::Error;
 use crate::episode::Outcome;
-use crate::stats::wilson;
 use headway_sim::Footprint;
+use headway_stats::{Confidence, Interval, wilson};
 
 /// The runs of a world, or of all, in figures; rates are shares in [0, 1], times are in seconds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -173,7 +173,10 @@ impl Row {
 
 impl Intervals {
     fn of(runs: &[Measured]) -> Option<Self> {
-        let of = |outcome: Outcome| wilson(runs.iter().filter(|(_, run)| run.outcome == outcome).count(), runs.len());
+        let of = |outcome: Outcome| {
+            let n = runs.iter().filter(|(_, run)| run.outcome == outcome).count();
+            wilson(n, runs.len(), Confidence::default()).ok().map(Interval::ends)
+        };
         let (success_low, success_high) = of(Outcome::Success)?;
         let (collision_low, collision_high) = of(Outcome::Collision)?;
         let (timeout_low, timeout_high) = of(Outcome::Timeout)?;

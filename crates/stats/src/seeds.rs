@@ -1,18 +1,12 @@
-//! Estimates over training seeds, and the interval of a single policy's rate.
-//!
-//! The training *seed* is the unit: a policy's episodes share its luck, so pooled episodes would give intervals that are
-//! far too narrow (Agarwal et al., 2021, "Deep Reinforcement Learning at the Edge of the Statistical Precipice").
+//! One figure per training seed.
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde::Serialize;
 
-/// Number of bootstrap resamples.
-const N_RESAMPLES: usize = 10_000;
+use crate::bootstrap::mean;
+use crate::{Bootstrap, Interval, bootstrap};
+
 /// Fewest seeds for which an interval is given.
 const MIN_SEEDS: usize = 3;
-/// The two-sided 97.5 % quantile of the standard normal distribution.
-const Z: f64 = 1.959_963_984_540_054;
 
 /// A mean with its 95 % interval; a field is `None` where it is undefined.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -27,14 +21,13 @@ pub struct Estimate {
     pub n: usize,
 }
 
-/// The mean over seeds with its 95 % percentile bootstrap interval.
+/// The mean over training seeds with its 95 % percentile bootstrap interval.
 ///
 /// Seeds in which the value is undefined are left out, and [`Estimate::n`] says how many remain. The interval runs from
-/// the 2.5 % to the 97.5 % quantile of the means of 10 000 resamples (Efron, 1979), drawn with a fixed random stream:
-/// equal values, in equal order, give equal bytes.
+/// the 2.5 % to the 97.5 % quantile of the means of 10 000 resamples (Efron, 1979), those of [`Bootstrap::default`].
 ///
 /// ```
-/// use headway_experiments::stats::over_seeds;
+/// use headway_stats::over_seeds;
 ///
 /// let estimate = over_seeds(&[Some(0.9), Some(1.0), None, Some(1.1)]);
 /// assert_eq!(estimate.n, 3);
@@ -45,7 +38,8 @@ pub struct Estimate {
 pub fn over_seeds(values: &[Option<f64>]) -> Estimate {
     let defined: Vec<f64> = values.iter().copied().flatten().collect();
     let n = defined.len();
-    let interval = (n >= MIN_SEEDS).then(|| bootstrap_interval(&defined));
+    let enough = (n >= MIN_SEEDS).then_some(&defined);
+    let interval = enough.and_then(|units| bootstrap(units, mean, &Bootstrap::default()).ok()).map(Interval::ends);
     Estimate {
         mean: (n > 0).then(|| mean(&defined)),
         low: interval.map(|(low, _)| low),
@@ -54,55 +48,11 @@ pub fn over_seeds(values: &[Option<f64>]) -> Estimate {
     }
 }
 
-/// The 95 % Wilson score interval of the share of successes in `n` independent trials (Wilson, 1927), low and high: for
-/// the rates of *one* policy, where the episodes are the unit. `None` without a trial.
-///
-/// ```
-/// use headway_experiments::stats::wilson;
-///
-/// let (low, high) = wilson(0, 10).unwrap();
-/// assert_eq!(low, 0.0);
-/// assert!((high - 0.2775).abs() < 1e-4);
-/// ```
-pub fn wilson(successes: usize, n: usize) -> Option<(f64, f64)> {
-    if n == 0 {
-        return None;
-    }
-    let (p, n) = (successes as f64 / n as f64, n as f64);
-    let centre = (p + Z * Z / (2.0 * n)) / (1.0 + Z * Z / n);
-    let half = Z / (1.0 + Z * Z / n) * (p * (1.0 - p) / n + Z * Z / (4.0 * n * n)).sqrt();
-    // The interval holds the rate; rounding must not say otherwise where the two meet, at 0 and 1.
-    Some(((centre - half).clamp(0.0, p), (centre + half).clamp(p, 1.0)))
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
-fn bootstrap_interval(values: &[f64]) -> (f64, f64) {
-    let mut rng = ChaCha8Rng::from_seed(*b"headway bootstrap over the seeds");
-    let n = values.len();
-    let mut means: Vec<f64> =
-        (0..N_RESAMPLES).map(|_| (0..n).map(|_| values[below(&mut rng, n)]).sum::<f64>() / n as f64).collect();
-    means.sort_by(f64::total_cmp);
-    (quantile(&means, 0.025), quantile(&means, 0.975))
-}
-
-/// A uniform index below `n`, by multiplication and shift; its bias of `n / 2^64` is of no account.
-fn below(rng: &mut impl Rng, n: usize) -> usize {
-    ((u128::from(rng.next_u64()) * n as u128) >> 64) as usize
-}
-
-/// The quantile of sorted values with linear interpolation (Hyndman & Fan, 1996, type 7).
-fn quantile(sorted: &[f64], q: f64) -> f64 {
-    let position = q * (sorted.len() - 1) as f64;
-    let (i, rest) = (position as usize, position.fract());
-    let next = sorted[(i + 1).min(sorted.len() - 1)];
-    sorted[i] + rest * (next - sorted[i])
-}
-
 #[cfg(test)]
 mod tests {
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{Rng, SeedableRng};
+
     use super::*;
 
     fn some(values: &[f64]) -> Vec<Option<f64>> {
@@ -157,8 +107,8 @@ mod tests {
         let values: Vec<f64> = (0..400).map(|i| f64::from(i) / 399.0).collect();
         let estimate = over_seeds(&some(&values));
         let standard_error = (1.0_f64 / 12.0 / 400.0).sqrt();
-        assert!((estimate.high.unwrap() - 0.5 - Z * standard_error).abs() < 0.1 * standard_error);
-        assert!((estimate.low.unwrap() - 0.5 + Z * standard_error).abs() < 0.1 * standard_error);
+        assert!((estimate.high.unwrap() - 0.5 - 1.96 * standard_error).abs() < 0.1 * standard_error);
+        assert!((estimate.low.unwrap() - 0.5 + 1.96 * standard_error).abs() < 0.1 * standard_error);
     }
 
     #[test]
@@ -167,17 +117,31 @@ mod tests {
         assert_eq!(over_seeds(&values), over_seeds(&values));
     }
 
-    #[test]
-    fn wilson_against_published_values() {
-        // Newcombe (1998), table I: 81 of 263, 15 of 148, 0 of 20, 1 of 29.
-        for (successes, n, low, high) in
-            [(81, 263, 0.2553, 0.3662), (15, 148, 0.0624, 0.1605), (0, 20, 0.0, 0.1611), (1, 29, 0.0061, 0.1718)]
-        {
-            let interval = wilson(successes, n).unwrap();
-            assert!((interval.0 - low).abs() < 6e-5, "{interval:?}");
-            assert!((interval.1 - high).abs() < 6e-5, "{interval:?}");
+    /// The interval of one loop, drawn as [`Bootstrap`] says, with nothing shared with it.
+    fn plain_interval(values: &[f64]) -> (f64, f64) {
+        let mut rng = ChaCha8Rng::from_seed(*b"headway bootstrap over the seeds");
+        let n = values.len();
+        let mut means = Vec::new();
+        for _ in 0..10_000 {
+            let index = |rng: &mut ChaCha8Rng| ((u128::from(rng.next_u64()) * n as u128) >> 64) as usize;
+            means.push((0..n).map(|_| values[index(&mut rng)]).sum::<f64>() / n as f64);
         }
-        assert_eq!(wilson(7, 7).unwrap().1, 1.0);
-        assert_eq!(wilson(0, 0), None);
+        means.sort_by(f64::total_cmp);
+        let at = |q: f64| {
+            let (i, rest) = ((q * 9_999.0) as usize, (q * 9_999.0).fract());
+            means[i] + rest * (means[i + 1] - means[i])
+        };
+        (at(0.025), at(0.975))
+    }
+
+    #[test]
+    fn reports_keep_their_bytes() {
+        for n in [3, 4, 7, 10, 33] {
+            let values: Vec<f64> = (0..n).map(|i| (f64::from(i) * 0.7).sin().abs()).collect();
+            let estimate = over_seeds(&some(&values));
+            assert_eq!((estimate.low.unwrap(), estimate.high.unwrap()), plain_interval(&values));
+        }
+        let estimate = over_seeds(&some(&[0.91, 0.985, 0.97, 0.93, 1.0]));
+        assert_eq!((estimate.low, estimate.high), (Some(0.929), Some(0.987_999_999_999_999_9)));
     }
 }
