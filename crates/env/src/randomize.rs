@@ -60,6 +60,19 @@ impl Distribution {
         }
     }
 
+    /// The greatest number that it draws, before it is rounded where only whole numbers are meant.
+    ///
+    /// ```
+    /// use headway_env::Distribution;
+    /// assert_eq!(Distribution::Uniform([0.1, 0.3]).greatest(), 0.3);
+    /// assert_eq!(Distribution::Normal([0.5, 0.25]).greatest(), 1.25);
+    /// assert_eq!(Distribution::Choice(vec![2.0, 4.0, 3.0]).greatest(), 4.0);
+    /// ```
+    #[must_use]
+    pub fn greatest(&self) -> f64 {
+        self.extremes().into_iter().fold(f64::NEG_INFINITY, f64::max)
+    }
+
     fn is_sound(&self) -> bool {
         let extremes = self.extremes();
         let is_ordered = matches!(self, Self::Choice(_)) || extremes[0] <= extremes[1];

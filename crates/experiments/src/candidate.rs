@@ -9,13 +9,12 @@ use headway_policy::{Driver, Policy};
 
 use crate::Error;
 use crate::evaluate::adapt;
-use crate::spec::ShieldOption;
 
 /// A policy or a classical driver, with or without a shield around it: a driver as often as one is needed.
 #[derive(Debug, Clone)]
 pub struct Candidate {
     who: Who,
-    shield: Option<ShieldOption>,
+    shield: Option<ShieldSpec>,
 }
 
 #[derive(Debug, Clone)]
@@ -39,7 +38,7 @@ impl Candidate {
 
     /// The same with a shield around it, if one is given.
     #[must_use]
-    pub fn shielded(self, shield: Option<ShieldOption>) -> Self {
+    pub fn shielded(self, shield: Option<ShieldSpec>) -> Self {
         Self { shield, ..self }
     }
 
@@ -92,13 +91,7 @@ impl Candidate {
         };
         match &self.shield {
             None => Ok(driver),
-            Some(_) if !ShieldSpec::foresees(vehicle) => {
-                Err(Error::Input(format!("--shield (evaluate.shield) {}", ShieldSpec::FORESEEN)))
-            }
-            Some(shield) => {
-                let shield = shield.for_vehicle(vehicle).build(driver);
-                Ok(Box::new(shield.map_err(|error| input(&error.under("evaluate.shield")))?))
-            }
+            Some(shield) => Ok(Box::new(shield.build(driver).map_err(|error| input(&error.under("evaluate.shield")))?)),
         }
     }
 }

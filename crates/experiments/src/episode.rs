@@ -62,4 +62,13 @@ pub struct EpisodeRecord {
     /// The numbers that the episode drew by `[randomize]`, `path=value` each, divided by blanks; empty where there are none.
     #[serde(default)]
     pub drawn: String,
+    /// Number of commands that a shield looked at; 0 where there was none.
+    #[serde(default)]
+    pub n_shielded: u64,
+    /// Number of those that it did not pass on as they were.
+    #[serde(default)]
+    pub n_vetoes: u64,
+    /// Number of those in whose place it braked.
+    #[serde(default)]
+    pub n_stops: u64,
 }

@@ -81,6 +81,7 @@ impl ScenarioSet {
             .map_err(Error::failure)?;
         let mut meter = EpisodeMeter::new(mdp.vehicle().spec().max_acceleration);
         driver.reset();
+        let before = driver.interventions();
         watch(&vehicle);
         loop {
             let free_range = vehicle.scenario().world.sector_range(&vehicle.vehicle().pose, CONE);
@@ -99,7 +100,14 @@ impl ScenarioSet {
             if let Some(outcome) = outcome(&end) {
                 let drawn: Vec<String> = vehicle.drawn().map(|(path, number)| format!("{path}={number}")).collect();
                 let record = meter.finish(index as u64, outcome, *geodesic);
-                return Ok(EpisodeRecord { drawn: drawn.join(" "), ..record });
+                let now = driver.interventions();
+                return Ok(EpisodeRecord {
+                    drawn: drawn.join(" "),
+                    n_shielded: now.n_commands - before.n_commands,
+                    n_vetoes: now.n_vetoes - before.n_vetoes,
+                    n_stops: now.n_stops - before.n_stops,
+                    ..record
+                });
             }
         }
     }

@@ -149,14 +149,13 @@ pub(crate) fn evaluation_key<'a>(
     world: &'a EvaluateWorld,
 ) -> Result<EvaluationKey<'a, WorldSpec>, Error> {
     let EvaluateWorld { name: _, time_limit, world } = world;
-    let EvaluateSpec { n_episodes, seed, shield, worlds: _ } = &spec.evaluate;
-    let shield = shield.map(|shield| shield.for_vehicle(&spec.vehicle));
+    let EvaluateSpec { n_episodes, seed, shield: _, worlds: _ } = &spec.evaluate;
     Ok(EvaluationKey {
         n_episodes: *n_episodes,
         seed: *seed,
         time_limit: *time_limit,
         files: digests_of(world)?,
-        shield,
+        shield: spec.shield(),
         world,
     })
 }

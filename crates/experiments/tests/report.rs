@@ -34,6 +34,9 @@ fn episodes(skill: u32, world: u32) -> Vec<EpisodeRecord> {
                 n_decelerations: scenario,
                 n_needless_decelerations: scenario / 4,
                 drawn: String::new(),
+                n_shielded: 0,
+                n_vetoes: 0,
+                n_stops: 0,
             }
         })
         .collect()
@@ -286,6 +289,17 @@ fn a_single_policy_has_no_interval_over_seeds() {
 }
 
 #[test]
+fn a_shield_has_columns_of_its_own() {
+    let shielded = |episode| EpisodeRecord { n_shielded: 50, n_vetoes: 5, n_stops: 1, ..episode };
+    let report = of_policy(&[("room_10x15", episodes(6, 0).into_iter().map(shielded).collect())]);
+    let rows: Vec<Value> = serde_json::from_str(&report.json()).unwrap();
+    assert_eq!((&rows[0]["vetoes"]["mean"], &rows[0]["stops"]["mean"]), (&json!(0.1), &json!(0.02)));
+    assert!(report.table().contains("vetoes"), "{}", report.table());
+    let without = of_policy(&[("room_10x15", episodes(6, 0))]);
+    assert!(!without.table().contains("vetoes") && without.json().contains("\"vetoes\""));
+}
+
+#[test]
 fn the_list_of_runs() {
     let fixture = Fixture::new(3, skill);
     std::fs::remove_file(fixture.run(3, 2).join("done")).unwrap();
@@ -324,7 +338,7 @@ fn csv_has_a_row_per_cell_and_world() {
     let lines: Vec<_> = text.lines().collect();
     assert_eq!(lines.len(), 1 + 8);
     assert!(lines[0].starts_with("reward,agent,world,seeds,episodes,success,success_low,success_high,collision,"));
-    assert!(lines[0].ends_with(",spl,spl_low,spl_high"));
+    assert!(lines[0].ends_with(",spl,spl_low,spl_high,vetoes,vetoes_low,vetoes_high,stops,stops_low,stops_high"));
     assert!(lines[1].starts_with("R,DQN,room_10x15,4,32,0,0,0,0.125,0.125,0.125,0.875,"));
 }
 

@@ -130,7 +130,7 @@ fn episodes_come_back_to_the_last_bit() {
     let spec = "n_episodes = 2\nseed = 7\ntime_limit = 60.0\n\n[world]\ngamma = 0.95\n";
     assert_eq!(text(evaluation.path().join("spec.toml")), spec);
     let csv = "scenario,outcome,duration,distance,geodesic,spl,near_time,near_distance,n_decelerations,\
-               n_needless_decelerations,drawn\n0,success,";
+               n_needless_decelerations,drawn,n_shielded,n_vetoes,n_stops\n0,success,";
     assert!(text(evaluation.path().join("episodes.csv")).starts_with(csv));
 }
 

@@ -61,6 +61,22 @@ pub trait Controller {
 
     /// The command for the next control period. Commands beyond the vehicle's limits are clamped by it.
     fn command(&mut self, sensed: &Sensed<'_>) -> Command;
+
+    /// How often a safety layer stepped in since it was built; zeros where there is none.
+    fn interventions(&self) -> Interventions {
+        Interventions::default()
+    }
+}
+
+/// How often a safety layer did not let a driver drive as it wished: counts of commands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Interventions {
+    /// Commands asked for.
+    pub n_commands: u64,
+    /// Those that were not passed on as they were.
+    pub n_vetoes: u64,
+    /// Those of the vetoed ones that no gentler command replaced, so that the vehicle brakes.
+    pub n_stops: u64,
 }
 
 impl<C: Controller + ?Sized> Controller for Box<C> {
@@ -70,5 +86,9 @@ impl<C: Controller + ?Sized> Controller for Box<C> {
 
     fn command(&mut self, sensed: &Sensed<'_>) -> Command {
         (**self).command(sensed)
+    }
+
+    fn interventions(&self) -> Interventions {
+        (**self).interventions()
     }
 }

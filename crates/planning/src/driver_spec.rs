@@ -61,14 +61,15 @@ impl DriverSpec {
         }
     }
 
-    /// Checks that it can drive a vehicle: all but plain pursuit turn on the spot now and then.
+    /// Checks that it can drive a vehicle: all but pure pursuit, regulated and plain, turn on the spot now and then.
     ///
     /// # Errors
     /// If the vehicle cannot do that.
     pub fn suits(&self, vehicle: &VehicleSpec) -> Result<(), FieldError> {
         match self {
-            Self::Dwa(_) | Self::PurePursuit(_) | Self::Vfh(_) if vehicle.drive.turning_radius() > 0.0 => {
-                let allowed = "plain_pursuit for a vehicle that cannot turn on the spot (vehicle.drive)";
+            Self::Dwa(_) | Self::Vfh(_) if vehicle.drive.turning_radius() > 0.0 => {
+                let allowed =
+                    "pure_pursuit or plain_pursuit for a vehicle that cannot turn on the spot (vehicle.drive)";
                 Err(FieldError::new("type", self.name(), allowed))
             }
             _ => Ok(()),

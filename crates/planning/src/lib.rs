@@ -38,7 +38,7 @@ mod test_drive;
 mod trial;
 mod vfh;
 
-pub use controller::{Controller, Sensed};
+pub use controller::{Controller, Interventions, Sensed};
 pub use costmap::{Costmap, CostmapSpec, INSCRIBED, LETHAL};
 pub use driver_spec::DriverSpec;
 pub use dwa::{Dwa, DwaSpec, Escape, ObstacleCost};

@@ -2,7 +2,7 @@
 
 use headway_sim::Command;
 
-use crate::{Controller, Route, ScanPlanner, Sensed};
+use crate::{Controller, Interventions, Route, ScanPlanner, Sensed};
 
 /// A driver that follows routes, and a [`ScanPlanner`] that gives it one: the same planner for any driver.
 ///
@@ -58,5 +58,9 @@ impl<C: Controller> Controller for Planned<C> {
     fn command(&mut self, sensed: &Sensed<'_>) -> Command {
         let route = self.planner.update(sensed);
         self.driver.command(&Sensed { route, ..*sensed })
+    }
+
+    fn interventions(&self) -> Interventions {
+        self.driver.interventions()
     }
 }

@@ -52,16 +52,24 @@ impl PurePursuit {
         let target = route.at(route.project(&here) + self.lookahead);
         let to_target = pose.inverse_transform_point(&target).coords;
         let (distance, bearing) = (to_target.norm(), to_target.y.atan2(to_target.x));
-        if turning_radius > 0.0 {
-            let sharpest = 1.0 / turning_radius;
-            let curvature =
-                if bearing.abs() > self.turn_angle { sharpest.copysign(bearing) } else { arc(bearing, distance) };
-            return Command::new(speed, speed * curvature.clamp(-sharpest, sharpest));
-        }
-        if bearing.abs() > self.turn_angle {
+        if turning_radius == 0.0 && bearing.abs() > self.turn_angle {
             return Command::new(0.0, self.turn_rate.copysign(bearing));
         }
-        Command::new(speed, speed * arc(bearing, distance))
+        Command::new(speed, speed * steered(bearing, distance, self.turn_angle, turning_radius))
+    }
+}
+
+/// The curvature towards a point for a vehicle whose tightest turn has a radius of `turning_radius` metres, 1/m: that of the arc
+/// to the point as far as the vehicle can, and if the point lies beyond `turn_angle` aside, that of its tightest turn.
+pub(crate) fn steered(bearing: f64, distance: f64, turn_angle: f64, turning_radius: f64) -> f64 {
+    if turning_radius == 0.0 {
+        return arc(bearing, distance);
+    }
+    let sharpest = 1.0 / turning_radius;
+    if bearing.abs() > turn_angle {
+        sharpest.copysign(bearing)
+    } else {
+        arc(bearing, distance).clamp(-sharpest, sharpest)
     }
 }
 

@@ -3,9 +3,10 @@
 use std::f64::consts::PI;
 
 use headway_sim::check::{non_negative, positive, within};
-use headway_sim::{Command, FieldError, Point, Twist};
+use headway_sim::{Command, FieldError, Point, Stretch, Twist};
 use serde::{Deserialize, Serialize};
 
+use crate::pure_pursuit::steered;
 use crate::sweep::{Front, Outline, Surroundings, Unseen, echoes};
 use crate::{Controller, Sensed};
 
@@ -31,7 +32,7 @@ pub struct RegulatedPursuitSpec {
     pub cost_scaling_dist: f64,
     /// How much of the speed is left there, from above 0 to 1.
     pub cost_scaling_gain: f64,
-    /// Bearing of the point ahead beyond which it turns on the spot, radians, from 0.1 to pi.
+    /// Bearing of the point ahead beyond which it turns on the spot, or as tightly as it can, radians, from 0.1 to pi.
     pub rotate_to_heading_min_angle: f64,
     /// Yaw rate of a turn on the spot, rad/s.
     pub rotate_to_heading_angular_vel: f64,
@@ -118,9 +119,10 @@ impl RegulatedPursuitSpec {
 /// - `v_d s / s_approach` where `s` metres are left, not below the least approach speed;
 ///
 /// changed by no more than the vehicle's acceleration allows within a period, and such that the yaw rate is one it has.
-/// A point too far aside is turned to on the spot. Where the arc of the next second, or up to the point ahead, touches
+/// A point too far aside is turned to on the spot; by a vehicle that cannot, in its tightest turn (Nav2's
+/// `use_rotate_to_heading = false`), and no arc is tighter. Where the arc of the next second, or up to the point ahead, touches
 /// what the scan shows, it stops, and turns towards the point if it can: Nav2 gives such a way up and leaves it to its
-/// recoveries.
+/// recoveries. It never reverses.
 #[derive(Debug, Clone)]
 pub struct RegulatedPursuit {
     spec: RegulatedPursuitSpec,
@@ -209,12 +211,15 @@ impl RegulatedPursuit {
         let surroundings =
             Surroundings::new(sensed, Unseen::Free, command.speed.abs() * time, self.spec.collision_margin, 0.0);
         let twist = Twist::new(command.speed, 0.0, command.yaw_rate);
-        surroundings.is_free_along(&mut Front::new(), &twist, time)
+        surroundings.is_free_along(&mut Front::new(), &Stretch { twist, time })
     }
 
-    /// A turn on the spot to the point ahead, where the next part of it is free, or else none: what to do where that point lies
-    /// far aside, or where the way is blocked.
+    /// A turn on the spot to the point ahead, where the vehicle can and the next part of it is free, or else none: what to do
+    /// where that point lies far aside, or where the way is blocked.
     fn blocked(&self, sensed: &Sensed<'_>, bearing: f64) -> Command {
+        if sensed.vehicle.drive.turning_radius() > 0.0 {
+            return Command::default();
+        }
         let turn = self.turn(sensed, bearing);
         let until_there = bearing.abs() / turn.yaw_rate.abs().max(1e-9);
         let time = self.spec.max_allowed_time_to_collision.min(until_there).max(sensed.vehicle.control_period);
@@ -227,10 +232,12 @@ impl Controller for RegulatedPursuit {
 
     fn command(&mut self, sensed: &Sensed<'_>) -> Command {
         let Carrot { distance, bearing, remaining } = self.carrot(sensed);
-        if bearing.abs() > self.spec.rotate_to_heading_min_angle {
+        let turn_angle = self.spec.rotate_to_heading_min_angle;
+        let turning_radius = sensed.vehicle.drive.turning_radius();
+        if turning_radius == 0.0 && bearing.abs() > turn_angle {
             return self.blocked(sensed, bearing);
         }
-        let curvature = if distance > 1e-9 { 2.0 * bearing.sin() / distance } else { 0.0 };
+        let curvature = steered(bearing, distance, turn_angle, turning_radius);
         let speed = self.regulated_speed(curvature, self.clearance(sensed), remaining);
         let command = Self::limited(sensed, speed, curvature);
         let until_there = distance / command.speed.abs().max(1e-9);

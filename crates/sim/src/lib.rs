@@ -51,7 +51,9 @@ pub use scenario::{
     WorldSpec,
 };
 pub use shape::{Obstacle, Room, Shape};
-pub use vehicle::{ActuationSpec, Command, Drive, Motion, Vehicle, VehiclePreset, VehicleSpec, VehicleState};
+pub use vehicle::{
+    ActuationSpec, Command, Drive, Dynamics, Motion, Stretch, Vehicle, VehiclePreset, VehicleSpec, VehicleState, Wheels,
+};
 pub use world::{Outline, Proximity, Surface, World};
 
 /// The linear algebra of our signatures ([`Pose`], [`Point`], [`Twist`]), so that callers use the same version.

@@ -11,9 +11,10 @@ use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
 use crate::{Footprint, Pose, Proximity, Twist, World};
-use body::{Body, Dynamics, Stretch};
+use body::Body;
 
 pub use actuation::ActuationSpec;
+pub use body::{Dynamics, Stretch, Wheels};
 pub use drive::Drive;
 pub use preset::VehiclePreset;
 pub use spec::VehicleSpec;
@@ -167,7 +168,7 @@ impl Vehicle {
     /// The commands in force over the period that begins when `command` is sent: with a latency first the one before it.
     fn phases(&self, state: &mut VehicleState, command: Command) -> [Phase; 2] {
         let n_substeps = self.spec.n_substeps;
-        let (n_whole, n_late) = self.dynamics.delay();
+        let (n_whole, n_late) = self.dynamics.delay(self.spec.actuation.latency);
         if n_whole == 0 && n_late == 0 {
             return [Phase { command, n_substeps }, Phase { command, n_substeps: 0 }];
         }
@@ -185,9 +186,10 @@ impl Vehicle {
         let start = Body::of(state);
         let (mut body, mut distance, mut reach) = (start, 0.0, 0.0);
         for phase in phases {
-            let (target, mut n_left) = (self.target(phase.command, &body), phase.n_substeps);
+            let target = self.dynamics.target(phase.command, body.wheels.steering);
+            let mut n_left = phase.n_substeps;
             while n_left > 0 {
-                let stretch = self.dynamics.next_stretch(&self.spec, &mut body, target, &mut n_left);
+                let stretch = self.dynamics.next_stretch(&mut body.wheels, target, &mut n_left);
                 body.pose = stretch.end(&body.pose, stretch.time);
                 distance += stretch.speed() * stretch.time;
                 reach += self.point_speed(&stretch) * stretch.time;
@@ -205,17 +207,6 @@ impl Vehicle {
         self.first_contact(world, start, phases, state).unwrap_or(unhurt)
     }
 
-    /// What a command makes the vehicle approach.
-    fn target(&self, command: Command, body: &Body) -> Twist {
-        let spec = &self.spec;
-        let finite = |number: f64| if number.is_finite() { number } else { 0.0 };
-        let speed = finite(command.speed).clamp(-spec.max_reverse_speed, spec.max_speed);
-        let yaw_rate = finite(command.yaw_rate).clamp(-spec.max_yaw_rate, spec.max_yaw_rate);
-        let most_lateral = spec.drive.max_lateral_speed();
-        let lateral = finite(command.lateral_speed).clamp(-most_lateral, most_lateral);
-        Twist::new(speed, lateral, spec.drive.turn_target(speed, yaw_rate, body.steering))
-    }
-
     /// The highest speed of any point of the outline, m/s.
     fn point_speed(&self, stretch: &Stretch) -> f64 {
         stretch.speed() + stretch.twist.z.abs() * self.footprint.turning_radius()
@@ -226,9 +217,10 @@ impl Vehicle {
     fn first_contact(&self, world: &World, start: Body, phases: &[Phase], state: &mut VehicleState) -> Option<Motion> {
         let (mut body, mut distance, mut duration) = (start, 0.0, 0.0);
         for phase in phases {
-            let (target, mut n_left) = (self.target(phase.command, &body), phase.n_substeps);
+            let target = self.dynamics.target(phase.command, body.wheels.steering);
+            let mut n_left = phase.n_substeps;
             while n_left > 0 {
-                let stretch = self.dynamics.next_stretch(&self.spec, &mut body, target, &mut n_left);
+                let stretch = self.dynamics.next_stretch(&mut body.wheels, target, &mut n_left);
                 if let Some((time, proximity)) = self.contact_within(world, &body.pose, &stretch) {
                     body.pose = stretch.end(&body.pose, time);
                     body.store(state);

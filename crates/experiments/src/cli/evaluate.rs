@@ -118,7 +118,7 @@ impl Asked {
             Self::Driver(driver) => Candidate::driver_of(spec.policy.driver().unwrap_or(*driver)),
             Self::Policy(policy) => Candidate::policy(policy),
         };
-        candidate.shielded(spec.evaluate.shield)
+        candidate.shielded(spec.shield())
     }
 }
 

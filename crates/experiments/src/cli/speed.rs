@@ -95,7 +95,7 @@ impl Trial {
             PolicySpec::File { path } => (0.0, Candidate::load(path)?),
             driver => (0.0, Candidate::driver_of(driver.driver().expect("all others are classical drivers"))),
         };
-        let candidate = candidate.shielded(spec.evaluate.shield);
+        let candidate = candidate.shielded(spec.shield());
         let (mut driving, mut scenarios) = (0.0, 0.0);
         for world in &spec.evaluate.worlds {
             let (making_one, driving_one) = evaluate(spec, world, &candidate)?;

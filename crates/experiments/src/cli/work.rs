@@ -138,7 +138,7 @@ impl<'a> Task<'a> {
             let Evaluation { id, key, scenarios: name, spec, world } = evaluation;
             let set = &scenarios[name];
             let stopwatch = Stopwatch::start();
-            let candidate = candidate.clone().shielded(spec.evaluate.shield);
+            let candidate = candidate.clone().shielded(spec.shield());
             let (mdp, mut driver) = candidate.set_up(spec.evaluation(world))?;
             let drive = |index| {
                 progress.advance(EPISODE_WORK);

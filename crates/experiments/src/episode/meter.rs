@@ -129,6 +129,9 @@ impl EpisodeMeter {
             n_decelerations: self.n_decelerations,
             n_needless_decelerations: self.n_needless_decelerations + u32::from(self.braking == Braking::Needless),
             drawn: String::new(),
+            n_shielded: 0,
+            n_vetoes: 0,
+            n_stops: 0,
         }
     }
 }

@@ -38,6 +38,10 @@ pub struct SeedSummary {
     pub needless_decelerations_per_m: Option<f64>,
     /// Mean success weighted by path length, in [0, 1].
     pub spl: Option<f64>,
+    /// Share of all commands that a shield did not pass on as they were, in [0, 1]; undefined without a shield.
+    pub vetoes: Option<f64>,
+    /// Share of all commands in whose place a shield braked, in [0, 1]; undefined without a shield.
+    pub stops: Option<f64>,
 }
 
 impl SeedSummary {
@@ -47,6 +51,7 @@ impl SeedSummary {
         let n = episodes.len() as f64;
         let share = |outcome| ratio(episodes.iter().filter(|e| e.outcome == outcome).count() as f64, n);
         let distance = total(|e| e.distance);
+        let n_shielded = total(|e| e.n_shielded as f64);
         Self {
             n_episodes: episodes.len(),
             success: share(Outcome::Success),
@@ -61,6 +66,8 @@ impl SeedSummary {
             decelerations_per_m: ratio(total(|e| f64::from(e.n_decelerations)), distance),
             needless_decelerations_per_m: ratio(total(|e| f64::from(e.n_needless_decelerations)), distance),
             spl: ratio(total(|e| e.spl), n),
+            vetoes: ratio(total(|e| e.n_vetoes as f64), n_shielded),
+            stops: ratio(total(|e| e.n_stops as f64), n_shielded),
         }
     }
 }
@@ -91,12 +98,16 @@ pub enum Metric {
     NeedlessDecelerationsPerM,
     /// [`SeedSummary::spl`].
     Spl,
+    /// [`SeedSummary::vetoes`].
+    Vetoes,
+    /// [`SeedSummary::stops`].
+    Stops,
 }
 
 /// The kind of quantity that a [`Metric`] is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Quantity {
-    /// A share of episodes, in [0, 1].
+    /// A share of episodes or of commands, in [0, 1].
     Rate,
     /// A speed, m/s.
     Speed,
@@ -108,7 +119,7 @@ pub enum Quantity {
 
 impl Metric {
     /// Every metric, in the order of reports.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 11] = [
         Self::Success,
         Self::Collision,
         Self::Timeout,
@@ -118,6 +129,8 @@ impl Metric {
         Self::DecelerationsPerM,
         Self::NeedlessDecelerationsPerM,
         Self::Spl,
+        Self::Vetoes,
+        Self::Stops,
     ];
 
     /// The name in JSON and CSV reports.
@@ -132,20 +145,27 @@ impl Metric {
             Self::DecelerationsPerM => "decelerations_per_m",
             Self::NeedlessDecelerationsPerM => "needless_decelerations_per_m",
             Self::Spl => "spl",
+            Self::Vetoes => "vetoes",
+            Self::Stops => "stops",
         }
     }
 
     /// The kind of quantity.
     pub fn quantity(self) -> Quantity {
         match self {
-            Self::Success | Self::Collision | Self::Timeout => Quantity::Rate,
+            Self::Success | Self::Collision | Self::Timeout | Self::Vetoes | Self::Stops => Quantity::Rate,
             Self::MeanSpeed | Self::SpeedInSuccesses | Self::SpeedNearObstacles => Quantity::Speed,
             Self::DecelerationsPerM | Self::NeedlessDecelerationsPerM => Quantity::PerMetre,
             Self::Spl => Quantity::Score,
         }
     }
 
-    /// The outcome whose share of the episodes this metric is, if it is a rate.
+    /// Whether it tells of a shield, and so says nothing without one.
+    pub fn is_of_shield(self) -> bool {
+        matches!(self, Self::Vetoes | Self::Stops)
+    }
+
+    /// The outcome whose share of the episodes this metric is, if it is one.
     pub fn outcome(self) -> Option<Outcome> {
         match self {
             Self::Success => Some(Outcome::Success),
@@ -167,6 +187,8 @@ impl Metric {
             Self::DecelerationsPerM => summary.decelerations_per_m,
             Self::NeedlessDecelerationsPerM => summary.needless_decelerations_per_m,
             Self::Spl => summary.spl,
+            Self::Vetoes => summary.vetoes,
+            Self::Stops => summary.stops,
         }
     }
 }
@@ -188,6 +210,9 @@ mod tests {
             n_decelerations: 3,
             n_needless_decelerations: 1,
             drawn: String::new(),
+            n_shielded: 0,
+            n_vetoes: 0,
+            n_stops: 0,
         }
     }
 
@@ -207,6 +232,19 @@ mod tests {
         assert_eq!(summary.decelerations_per_m, Some(1.0));
         assert_eq!(summary.needless_decelerations_per_m, Some(4.0 / 12.0));
         assert_eq!(summary.spl, Some(0.4));
+    }
+
+    #[test]
+    fn interventions_are_shares_of_all_commands() {
+        let shielded = |n_shielded, n_vetoes, n_stops| EpisodeRecord {
+            n_shielded,
+            n_vetoes,
+            n_stops,
+            ..episode(Outcome::Success, 5.0, 5.0)
+        };
+        let summary = SeedSummary::of(&[shielded(10, 4, 1), shielded(30, 6, 0)]);
+        assert_eq!((summary.vetoes, summary.stops), (Some(0.25), Some(0.025)));
+        assert_eq!(SeedSummary::of(&[shielded(0, 0, 0)]).vetoes, None);
     }
 
     #[test]

@@ -10,7 +10,7 @@ use crate::store::AxisLevel;
 impl Report {
     /// The rows as a JSON list of objects: `axes` (level by axis), `world`, `seeds`, `episodes` (of all seeds together),
     /// and for each [`Metric`] its `mean`, `low`, `high` and the `n` of seeds in which it is defined; `null` where
-    /// undefined. Rates are shares in [0, 1]; those of a single policy, which has no interval over seeds, also have
+    /// undefined. Rates are shares in [0, 1]; those of outcomes of a single policy, which has no interval over seeds, also have
     /// `wilson_low` and `wilson_high`, over its episodes.
     pub fn json(&self) -> String {
         let text = serde_json::to_string_pretty(&self.rows);

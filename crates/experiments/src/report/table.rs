@@ -27,7 +27,7 @@ impl Report {
     /// out, and the lines below say so.
     pub fn table(&self) -> String {
         let labels = self.labels();
-        let mut metrics = Metric::ALL.to_vec();
+        let mut metrics = self.metrics();
         let mut columns = self.columns(&labels, &metrics);
         for metric in DISPENSABLE {
             if width(&columns.iter().collect::<Vec<_>>()) <= TABLE_WIDTH {
@@ -40,6 +40,13 @@ impl Report {
         text.extend(self.legend(&metrics));
         text.extend(self.notes());
         text.join("\n") + "\n"
+    }
+
+    /// The metrics that the rows have: those of a shield only if one of them has it.
+    fn metrics(&self) -> Vec<Metric> {
+        let is_there =
+            |metric: &Metric| !metric.is_of_shield() || self.rows.iter().any(|row| row.estimate(*metric).n > 0);
+        Metric::ALL.into_iter().filter(is_there).collect()
     }
 
     fn labels(&self) -> Vec<Column> {
@@ -85,7 +92,7 @@ impl Report {
         if self.rows.iter().any(|row| metrics.iter().any(|metric| partly(row.estimate(*metric), row))) {
             legend.push("*n: defined in n of the seeds only; the mean is over those".to_owned());
         }
-        let left_out: Vec<_> = Metric::ALL.iter().filter(|m| !metrics.contains(m)).map(|m| m.name()).collect();
+        let left_out: Vec<_> = self.metrics().iter().filter(|m| !metrics.contains(m)).map(|m| m.name()).collect();
         if !left_out.is_empty() {
             legend.push(format!("left out for want of room (see --format json or csv): {}", left_out.join(", ")));
         }
@@ -130,6 +137,8 @@ fn header(metric: Metric) -> [&'static str; N_HEADER] {
         Metric::DecelerationsPerM => ["decele-", "rations", "1/m"],
         Metric::NeedlessDecelerationsPerM => ["needless", "decel.", "1/m"],
         Metric::Spl => ["", "SPL", ""],
+        Metric::Vetoes => ["shield's", "vetoes", "%"],
+        Metric::Stops => ["shield's", "stops", "%"],
     }
 }
 

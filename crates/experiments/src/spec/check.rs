@@ -1,7 +1,7 @@
 //! What the types cannot say: numbers in range, worlds that can be made, parts that fit together.
 
 use headway_env::{EnvError, NavSpec};
-use headway_planning::{PurePursuit, ShieldSpec};
+use headway_planning::PurePursuit;
 use headway_policy::Policy;
 use headway_reward::RewardError;
 use headway_rl::RlError;
@@ -62,9 +62,8 @@ impl RunSpec {
             driver.build().map_err(|error| of_field(&error.under("policy")))?;
             driver.suits(&self.vehicle).map_err(|error| of_field(&error.under("policy")))?;
         }
-        let shield = self.evaluate.shield.map(|shield| shield.for_vehicle(&self.vehicle).build(PurePursuit::default()));
-        if shield.transpose().map_err(|error| of_field(&error.under("evaluate.shield")))?.is_some() {
-            require(ShieldSpec::foresees(&self.vehicle), "evaluate.shield", ShieldSpec::FORESEEN)?;
+        if let Some(shield) = self.shield() {
+            shield.build(PurePursuit::default()).map_err(|error| of_field(&error.under("evaluate.shield")))?;
         }
         let PolicySpec::File { path } = &self.policy else { return Ok(None) };
         let policy = Policy::load(path).and_then(|policy| policy.check(&self.vehicle, &self.lidar).map(|()| policy));

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use headway_env::{Distribution, RandomizeSpec};
 use headway_planning::{DriverSpec, DwaSpec, PurePursuit, RegulatedPursuitSpec, ShieldSpec, VfhSpec};
 use headway_sim::VehicleSpec;
 use serde::{Deserialize, Serialize};
@@ -65,6 +66,9 @@ impl PolicySpec {
 }
 
 /// A shield around whoever is evaluated: a [`ShieldSpec`] whose latency may be left to the vehicle.
+///
+/// It foresees the vehicle of the spec; of the numbers that episodes draw it allows for the latency alone, and `confidence`
+/// and `noise` must make up for the others.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ShieldOption {
@@ -74,7 +78,7 @@ pub struct ShieldOption {
     pub confidence: f64,
     /// See [`ShieldSpec::noise`].
     pub noise: f64,
-    /// See [`ShieldSpec::latency`]; the vehicle's own if not given.
+    /// See [`ShieldSpec::latency`]; if not given the vehicle's own, or the greatest that an episode may draw.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub latency: Option<f64>,
 }
@@ -87,17 +91,24 @@ impl Default for ShieldOption {
 }
 
 impl ShieldOption {
-    /// The shield around a driver of this vehicle.
+    /// The shield around a driver of this vehicle, of whose numbers `randomize` draws some.
     ///
     /// ```
+    /// use headway_env::RandomizeSpec;
     /// use headway_experiments::spec::ShieldOption;
     /// let mut vehicle = headway_sim::VehicleSpec::default();
     /// vehicle.actuation.latency = 0.1;
-    /// assert_eq!(ShieldOption::default().for_vehicle(&vehicle).latency, 0.1);
+    /// let shield = ShieldOption::default();
+    /// assert_eq!(shield.for_vehicle(&vehicle, &RandomizeSpec::default()).latency, 0.1);
+    /// let randomize: RandomizeSpec = toml::from_str("'vehicle.actuation.latency' = { normal = [0.1, 0.02] }")?;
+    /// assert_eq!(shield.for_vehicle(&vehicle, &randomize).latency, 0.16);
+    /// # Ok::<(), toml::de::Error>(())
     /// ```
     #[must_use]
-    pub fn for_vehicle(&self, vehicle: &VehicleSpec) -> ShieldSpec {
+    pub fn for_vehicle(&self, vehicle: &VehicleSpec, randomize: &RandomizeSpec) -> ShieldSpec {
         let Self { margin, confidence, noise, latency } = *self;
-        ShieldSpec { margin, confidence, noise, latency: latency.unwrap_or(vehicle.actuation.latency) }
+        let greatest = randomize.get("vehicle.actuation.latency").map(Distribution::greatest);
+        let latency = latency.or(greatest).unwrap_or(vehicle.actuation.latency);
+        ShieldSpec { margin, confidence, noise, latency }
     }
 }

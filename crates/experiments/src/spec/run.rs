@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use headway_env::{EnvSpec, GoalHandling, NavSpec, RandomizeSpec};
+use headway_planning::ShieldSpec;
 use headway_reward::{Progress, Proximity, R, Reward, Sum, Time};
 use headway_rl::DqnSpec;
 use headway_sensors::{LidarSpec, OdometrySpec};
@@ -148,6 +149,11 @@ impl RunSpec {
             env: self.env.clone(),
             reward: Arc::clone(&self.reward),
         }
+    }
+
+    /// The shield around whoever is evaluated, if there is one.
+    pub fn shield(&self) -> Option<ShieldSpec> {
+        self.evaluate.shield.map(|shield| shield.for_vehicle(&self.vehicle, &self.randomize))
     }
 
     /// The decision process of one evaluation world: its scenarios, its time limit, and one goal per episode.

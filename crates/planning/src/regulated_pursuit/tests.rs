@@ -1,7 +1,7 @@
 use super::*;
 use crate::trial::{End, Lidar, drive};
 use crate::{GridMap, Route, ShieldSpec, plan};
-use headway_sim::{Pose, Room, Shape, Vehicle, VehicleSpec, VehicleState, World, WorldSpec};
+use headway_sim::{Drive, Pose, Room, Shape, Vehicle, VehicleSpec, VehicleState, World, WorldSpec};
 
 fn driver() -> RegulatedPursuit {
     RegulatedPursuitSpec::default().build().unwrap()
@@ -126,7 +126,38 @@ fn drives_along_planned_routes() {
         assert_eq!(n_arrivals(&disc, &WorldSpec::Room25x25 {}, 4, driver), 4);
         assert_eq!(n_arrivals(&boxed, &WorldSpec::Room10x15 {}, 20, driver), 20);
     }
-    assert!(shielded.n_vetoes() * 20 < shielded.n_commands(), "{shielded:?}");
+    assert!(shielded.interventions().n_vetoes * 20 < shielded.interventions().n_commands, "{shielded:?}");
+}
+
+fn car() -> VehicleSpec {
+    let drive = Drive::Ackermann { wheelbase: 0.3, max_steering_angle: 0.6, max_steering_rate: 3.0 };
+    VehicleSpec { drive, ..VehicleSpec::default() }
+}
+
+#[test]
+fn what_cannot_turn_on_the_spot_turns_as_tightly_as_it_can() {
+    let (vehicle, lidar) = (car().build().unwrap(), Lidar::new(36, 20.0));
+    let radius = car().drive.turning_radius();
+    let state = VehicleState { twist: Twist::new(0.3, 0.0, 0.0), ..VehicleState::at_rest(Pose::identity()) };
+    for (aside, side) in [(3.0_f64, 1.0), (-3.0, -1.0), (0.25, 1.0)] {
+        // Behind on that side, abeam, and an arc ahead that is too tight.
+        let ahead = if aside.abs() > 1.0 { -1.0 } else { 0.3 };
+        let route = Route::new(vec![Point::origin(), Point::new(ahead, aside)]);
+        let command = driver().command(&Sensed { route: Some(&route), ..lidar.sensed(&vehicle, &[20.0; 36], &state) });
+        assert!(command.speed > 0.0, "{command:?}");
+        assert!((command.yaw_rate - side * command.speed / radius).abs() < 1e-12, "{command:?}");
+    }
+    // Where that is not free, it stands.
+    let route = Route::new(vec![Point::origin(), Point::new(-1.0, 3.0)]);
+    let command = driver().command(&Sensed { route: Some(&route), ..lidar.sensed(&vehicle, &[0.27; 36], &state) });
+    assert_eq!(command, Command::default());
+}
+
+/// It starts facing anywhere and never reverses, so that it may have no room to turn round: then it stands.
+#[test]
+fn a_car_drives_along_planned_routes() {
+    let n = n_arrivals(&car().build().unwrap(), &WorldSpec::Room10x15 {}, 20, &mut driver());
+    assert!(n >= 12, "{n}");
 }
 
 #[test]
