@@ -1,14 +1,19 @@
 //! What a results folder says: success, collisions, timeouts and speeds of every cell in every world, with intervals.
 
+mod chart;
 mod csv;
+mod figures;
 mod json;
 mod layout;
 mod load;
 mod runs;
+mod study;
 mod table;
 
+pub use figures::Figure;
 pub use load::load;
 pub use runs::{Policy, RunRow};
+pub use study::{Choice, Drive, Figures, Form, Pick, Scene, Study, Trace};
 
 use headway_stats::{Confidence, Estimate, over_seeds, wilson};
 

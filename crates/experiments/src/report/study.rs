@@ -1,0 +1,256 @@
+//! All that a page or a set of figures shows of a results folder, computed.
+
+mod bands;
+mod choice;
+mod clearance;
+mod comparison;
+mod curves;
+mod drives;
+mod redrive;
+mod trace;
+
+use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::thread::available_parallelism;
+
+pub(super) use bands::Point;
+pub use choice::{Choice, Pick};
+pub(super) use clearance::N_EPISODES as N_CLEARANCE_EPISODES;
+pub(super) use comparison::{Aggregate, Comparison};
+pub(super) use curves::Quantity;
+pub(super) use drives::Driven;
+pub use drives::{Drive, Figures};
+pub use trace::{Form, Scene, Trace};
+
+use super::{Policy, Report, RunRow, load};
+use crate::Error;
+use crate::jobs::{self, Display, Job};
+use crate::store::{Cell, Index, RunFolder};
+use comparison::COMPARED;
+use drives::Task;
+
+/// A results folder as pages and figures show it: the report, its learning curves, comparisons of its cells, and episodes
+/// that were driven again.
+#[derive(Debug)]
+pub struct Study {
+    /// The grid's name.
+    pub name: String,
+    /// The results folder.
+    pub folder: PathBuf,
+    /// The report.
+    pub report: Report,
+    /// One per cell of the grid.
+    pub(super) cells: Vec<Group>,
+    /// One per row of the report.
+    pub(super) places: Vec<Place>,
+    /// Number of complete runs by [`RESULTS_VERSION`](crate::store::RESULTS_VERSION), and by code revision.
+    pub(super) versions: BTreeMap<String, usize>,
+    pub(super) revisions: BTreeMap<String, usize>,
+    /// The learning curves of the cells that trained.
+    pub(super) curves: Vec<Curves>,
+    pub(super) comparisons: Vec<Comparison>,
+    /// One per row of the report.
+    pub(super) driven: Vec<Driven>,
+}
+
+/// A cell of the grid.
+#[derive(Debug)]
+pub(super) struct Group {
+    /// Its levels, in the order of the axes.
+    pub(super) levels: Vec<String>,
+    /// Its runs in the report.
+    pub(super) runs: Range<usize>,
+}
+
+/// What a row of the report is about.
+#[derive(Debug)]
+pub(super) struct Place {
+    pub(super) cell: usize,
+    /// The place of the world among the cell's.
+    pub(super) world: usize,
+    pub(super) eval_id: String,
+}
+
+/// The curves of one quantity, a curve per cell; empty where the cell trained nothing.
+#[derive(Debug)]
+pub(super) struct Curves {
+    pub(super) quantity: Quantity,
+    pub(super) by_cell: Vec<Vec<Point>>,
+}
+
+impl Study {
+    /// The study of the results folder at `root`, as far as it has come. Drives again, on all cores, what `choice` asks for
+    /// and the first episodes of every run.
+    ///
+    /// What cannot be driven again, for want of a world file, say, is left out, and a note tells.
+    ///
+    /// # Errors
+    /// As [`load`]; and if an episode is asked for that is not there.
+    pub fn load(root: &Path, choice: &Choice, with: Figures) -> Result<Self, Error> {
+        let index = Index::load(root)?;
+        let mut report = load(root)?;
+        let cells = groups(&index);
+        check_asked(choice, &index, &report)?;
+        let places = index.cells.iter().enumerate().flat_map(|(cell, indexed)| {
+            let place = move |(world, id): (usize, String)| Place { cell, world, eval_id: id };
+            indexed.evaluations.iter().map(|evaluation| evaluation.eval_id.to_string()).enumerate().map(place)
+        });
+        let places: Vec<Place> = places.collect();
+        let (versions, revisions) = provenance(root, &report)?;
+        let curves = learning_curves(root, &cells, &report)?;
+        let runs: Vec<&[RunRow]> = cells.iter().map(|cell| &report.runs[cell.runs.clone()]).collect();
+        let comparisons = COMPARED.map(|metric| Comparison::new(metric, &runs)).into_iter().collect::<Result<_, _>>()?;
+        let (driven, warnings) = drive(root, choice, with, &index, &cells, &report)?;
+        report.warnings.extend(warnings);
+        let folder = root.to_owned();
+        Ok(Self { name: index.name, folder, report, cells, places, versions, revisions, curves, comparisons, driven })
+    }
+
+    /// The episodes that are shown, in the order of the rows.
+    pub fn drives(&self) -> impl Iterator<Item = &Drive> {
+        self.driven.iter().flat_map(|driven| &driven.drives)
+    }
+
+    /// What a cell is called.
+    pub(super) fn label(&self, cell: usize) -> String {
+        let levels = &self.cells[cell].levels;
+        if levels.is_empty() { self.name.clone() } else { levels.join(" · ") }
+    }
+
+    /// The worlds of any cell, each once.
+    pub(super) fn worlds(&self) -> Vec<&str> {
+        let mut worlds = Vec::new();
+        for row in &self.report.rows {
+            if !worlds.contains(&row.world.as_str()) {
+                worlds.push(&row.world);
+            }
+        }
+        worlds
+    }
+
+    /// The numbers of the rows about a world.
+    pub(super) fn rows_of(&self, world: &str) -> Vec<usize> {
+        let rows = self.report.rows.iter().enumerate();
+        rows.filter(|(_, row)| row.world == world).map(|(number, _)| number).collect()
+    }
+}
+
+fn groups(index: &Index) -> Vec<Group> {
+    let mut first = 0;
+    let group = |cell: &Cell| {
+        let runs = first..first + cell.runs.len();
+        first = runs.end;
+        Group { levels: cell.axes.iter().map(|level| level.level.clone()).collect(), runs }
+    };
+    index.cells.iter().map(group).collect()
+}
+
+fn provenance(root: &Path, report: &Report) -> Result<(BTreeMap<String, usize>, BTreeMap<String, usize>), Error> {
+    let (mut versions, mut revisions) = (BTreeMap::new(), BTreeMap::new());
+    for run in report.runs.iter().filter(|run| matches!(run.policy, Policy::At(_) | Policy::NotTrained)) {
+        let info = RunFolder::new(root, &run.train_id).info()?;
+        *versions.entry(info.results_version.to_string()).or_default() += 1;
+        *revisions.entry(info.revision).or_default() += 1;
+    }
+    Ok((versions, revisions))
+}
+
+fn learning_curves(root: &Path, cells: &[Group], report: &Report) -> Result<Vec<Curves>, Error> {
+    let mut rows = Vec::new();
+    for cell in cells {
+        let trained = report.runs[cell.runs.clone()].iter().filter(|run| matches!(run.policy, Policy::At(_)));
+        let paths = trained.map(|run| RunFolder::new(root, &run.train_id).metrics_path());
+        // Policies may come without the metrics of their training.
+        let read = paths.filter(|path| path.is_file()).map(|path| curves::read(&path));
+        rows.push(read.collect::<Result<Vec<_>, Error>>()?);
+    }
+    let of = |quantity| Curves { quantity, by_cell: rows.iter().map(|runs| curves::curve(quantity, runs)).collect() };
+    Ok(Quantity::ALL.map(of).into_iter().filter(|curves| curves.by_cell.iter().any(|curve| !curve.is_empty())).collect())
+}
+
+/// Drives again, row by row; what failed is told in warnings.
+fn drive(
+    root: &Path,
+    choice: &Choice,
+    with: Figures,
+    index: &Index,
+    cells: &[Group],
+    report: &Report,
+) -> Result<(Vec<Driven>, Vec<String>), Error> {
+    let levels: Vec<String> = cells.iter().map(|cell| cell.levels.join(",")).collect();
+    let titles: Vec<String> = report.rows.iter().map(|row| {
+        let names: Vec<&str> = row.axes.iter().map(|level| level.level.as_str()).chain([row.world.as_str()]).collect();
+        names.join(" · ")
+    }).collect();
+    let mut tasks = Vec::new();
+    for (cell, indexed) in index.cells.iter().enumerate() {
+        for (world, evaluation) in indexed.evaluations.iter().enumerate() {
+            let row = tasks.len();
+            let input = Task {
+                row,
+                runs: &report.runs[cells[cell].runs.clone()],
+                world,
+                name: &evaluation.world,
+                eval_id: &evaluation.eval_id,
+                levels: &levels[cell],
+                title: &titles[row],
+            };
+            tasks.push(Job { input, work: 1 });
+        }
+    }
+    let n_workers = available_parallelism().unwrap_or(NonZeroUsize::MIN);
+    let outcomes = jobs::run(&tasks, n_workers, Display::auto("rows of drives"), |task: &Task<'_>, progress| {
+        progress.advance(1);
+        Ok::<_, Error>(task.drive(root, choice, with))
+    })?;
+    let mut warnings = Vec::new();
+    let mut driven = Vec::new();
+    for (outcome, title) in outcomes.into_iter().zip(&titles) {
+        driven.push(outcome.unwrap_or_else(|error| {
+            warnings.push(format!("{title}: cannot be driven again: {error}"));
+            Driven::default()
+        }));
+    }
+    let sum = |count: fn(&Driven) -> usize| driven.iter().map(count).sum::<usize>();
+    let (n, n_otherwise) = (sum(|driven| driven.n_driven), sum(|driven| driven.n_otherwise));
+    if n_otherwise > 0 {
+        warnings.push(format!(
+            "{n_otherwise} of {n} episodes that were driven again went otherwise than recorded: by other code, or from \
+             files that have changed since; drives and speeds over clearance are those of today"
+        ));
+    }
+    Ok((driven, warnings))
+}
+
+/// Refuses episodes that are not there.
+fn check_asked(choice: &Choice, index: &Index, report: &Report) -> Result<(), Error> {
+    for pick in &choice.asked {
+        let levels = |cell: &Cell| cell.axes.iter().map(|level| level.level.as_str()).collect::<Vec<_>>().join(",");
+        let named: Vec<&Cell> = index.cells.iter().filter(|cell| pick.is_of(&levels(cell))).collect();
+        let refuse = |what: String, known: Vec<String>| {
+            Err(Error::Input(format!("--drive: there is no {what}; there are {}", known.join("; "))))
+        };
+        if named.is_empty() {
+            return refuse(format!("cell `{}`", pick.cell), index.cells.iter().map(levels).collect());
+        }
+        let worlds = || named.iter().flat_map(|cell| &cell.evaluations).map(|evaluation| evaluation.world.clone());
+        if !worlds().any(|world| world == pick.world) {
+            let known: std::collections::BTreeSet<_> = worlds().collect();
+            return refuse(format!("world `{}`", pick.world), known.into_iter().collect());
+        }
+        if !named.iter().flat_map(|cell| &cell.runs).any(|run| run.seed == pick.seed) {
+            let known: std::collections::BTreeSet<_> = named.iter().flat_map(|cell| &cell.runs).map(|run| run.seed).collect();
+            return refuse(format!("seed {}", pick.seed), known.into_iter().map(|seed| seed.to_string()).collect());
+        }
+        let of = |run: &&RunRow| run.seed == pick.seed;
+        let n_episodes = report.runs.iter().filter(of).flat_map(|run| &run.summaries);
+        let n_episodes = n_episodes.filter(|(world, _)| *world == pick.world).filter_map(|(_, summary)| *summary);
+        let n = n_episodes.map(|summary| summary.n_episodes).max().unwrap_or(0);
+        if pick.scenario >= n as u64 {
+            return refuse(format!("scenario {}", pick.scenario), vec![format!("{n}, counted from 0")]);
+        }
+    }
+    Ok(())
+}
