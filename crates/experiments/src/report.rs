@@ -6,6 +6,7 @@ mod figures;
 mod json;
 mod layout;
 mod load;
+mod page;
 mod runs;
 mod study;
 mod table;

@@ -48,7 +48,7 @@ fn short(value: f64, label: &str) -> String {
 
 /// The width of a text in the font of charts, roughly, pixels.
 fn text_width(text: &str) -> f64 {
-    6.4 * text.chars().count() as f64
+    6.9 * text.chars().count() as f64
 }
 
 /// Opens a group with attributes and, if there is one, a tip that browsers show beside it.

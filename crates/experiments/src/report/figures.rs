@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use super::Row;
 use super::chart::{Bar, Column, Facet, IntervalChart, Line, LineChart};
 use super::study::{Aggregate, Comparison, Curves, N_CLEARANCE_EPISODES, Point, Study};
 use super::table::{header_words, number};
-use super::Row;
 use crate::Error;
 use crate::episode::{Metric, Quantity};
 use crate::plot;
@@ -24,6 +24,8 @@ pub struct Figure {
     pub caption: String,
     /// The SVG, which stands alone.
     pub svg: String,
+    /// Whether it takes the whole width of a page.
+    pub is_wide: bool,
 }
 
 /// The figures of a study by what they tell.
@@ -73,7 +75,14 @@ impl Study {
 
     fn intervals(&self, world: &str) -> Figure {
         let rows = self.rows_of(world);
-        let shown = [Metric::Success, Metric::Collision, Metric::Timeout, Metric::MeanSpeed, Metric::SpeedNearObstacles, Metric::Spl];
+        let shown = [
+            Metric::Success,
+            Metric::Collision,
+            Metric::Timeout,
+            Metric::MeanSpeed,
+            Metric::SpeedNearObstacles,
+            Metric::Spl,
+        ];
         let column = |metric: Metric| {
             let (title, unit) = header_words(metric);
             let bars = rows.iter().map(|row| self.bar(*row, metric)).collect();
@@ -91,10 +100,12 @@ impl Study {
         Figure {
             name: file_name(&format!("intervals-{world}")),
             title: format!("World {world}"),
-            caption: "Large dots: mean over the training seeds; bars: its 95 % percentile bootstrap interval over the seeds \
+            caption:
+                "Large dots: mean over the training seeds; bars: its 95 % percentile bootstrap interval over the seeds \
                       (from three seeds on); small dots: the seeds."
-                .into(),
+                    .into(),
             svg: chart.svg(),
+            is_wide: true,
         }
     }
 
@@ -129,13 +140,12 @@ impl Study {
                     "The share of runs (a seed in a world) whose {name} is above the value below. Higher is better \
                      everywhere; bands are pointwise 95 % bootstrap intervals, from three seeds on."
                 ),
-                svg: LineChart {
+                ..of_lines(&LineChart {
                     x_label: format!("{name}, \u{3c4}"),
                     y_label: "share of runs above \u{3c4}".into(),
                     y_range: Some([0.0, 1.0]),
                     facets: self.facets(|cell| comparison.profiles[cell].clone()),
-                }
-                .svg(),
+                })
             }
         };
         std::iter::once(self.aggregates()).chain(self.comparisons.iter().map(profile)).collect()
@@ -151,7 +161,12 @@ impl Study {
                 Some(Bar { mean: value, interval: band, units: Vec::new(), tip })
             };
             let title = format!("IQM of {}", header_words(comparison.metric).0);
-            Column { title, unit: "share".into(), bars: comparison.iqm.iter().enumerate().map(bar).collect(), top: Some(1.0) }
+            Column {
+                title,
+                unit: "share".into(),
+                bars: comparison.iqm.iter().enumerate().map(bar).collect(),
+                top: Some(1.0),
+            }
         };
         let chart = IntervalChart {
             rows: (0..self.cells.len()).map(|cell| self.label(cell)).collect(),
@@ -164,6 +179,7 @@ impl Study {
                       interval, from three seeds on."
                 .into(),
             svg: chart.svg(),
+            is_wide: true,
         }
     }
 
@@ -171,16 +187,16 @@ impl Study {
         Figure {
             name: format!("curve-{}", curves.quantity.name()),
             title: curves.quantity.label().into(),
-            caption: "In training, exploration included. Mean over the training seeds; bands: its 95 % percentile bootstrap \
+            caption:
+                "In training, exploration included. Mean over the training seeds; bands: its 95 % percentile bootstrap \
                       interval over the seeds, from three seeds on."
-                .into(),
-            svg: LineChart {
+                    .into(),
+            ..of_lines(&LineChart {
                 x_label: "env steps".into(),
                 y_label: curves.quantity.label().into(),
                 y_range: curves.quantity.range(),
                 facets: self.facets(|cell| curves.by_cell[cell].clone()),
-            }
-            .svg(),
+            })
         }
     }
 
@@ -193,7 +209,12 @@ impl Study {
                  first {N_CLEARANCE_EPISODES} scenarios of every seed, driven again; where at least half of the seeds spent a \
                  second or more. Mean over the seeds; bands: 95 % percentile bootstrap over the seeds, from three on."
             ),
-            svg: LineChart { x_label: "clearance (m)".into(), y_label: "mean speed (m/s)".into(), y_range: None, facets }.svg(),
+            ..of_lines(&LineChart {
+                x_label: "clearance (m)".into(),
+                y_label: "mean speed (m/s)".into(),
+                y_range: None,
+                facets,
+            })
         };
         let of = |world: &str| -> Vec<Facet> {
             let rows = self.rows_of(world);
@@ -205,8 +226,15 @@ impl Study {
         let worlds = self.worlds().into_iter().map(|world| (world, of(world)));
         let worlds: Vec<_> = worlds.filter(|(_, facets)| facets.iter().any(|facet| !facet.is_empty())).collect();
         if worlds.iter().all(|(_, facets)| facets.len() == 1) {
-            let facets: Vec<Facet> = worlds.into_iter().flat_map(|(world, facets)| facets.into_iter().map(|facet| Facet { title: world.into(), ..facet })).collect();
-            return if facets.is_empty() { Vec::new() } else { vec![figure("clearance".into(), "Speed against clearance".into(), facets)] };
+            let facets: Vec<Facet> = worlds
+                .into_iter()
+                .flat_map(|(world, facets)| facets.into_iter().map(|facet| Facet { title: world.into(), ..facet }))
+                .collect();
+            return if facets.is_empty() {
+                Vec::new()
+            } else {
+                vec![figure("clearance".into(), "Speed against clearance".into(), facets)]
+            };
         }
         let one = |(world, facets)| figure(file_name(&format!("clearance-{world}")), format!("World {world}"), facets);
         worlds.into_iter().map(one).collect()
@@ -215,14 +243,15 @@ impl Study {
     /// The cells' lines in frames: one for all if they are few, or else one for each level of the first axis.
     fn facets(&self, points: impl Fn(usize) -> Vec<Point>) -> Vec<Facet> {
         let cells = 0..self.cells.len();
-        let first: Vec<&str> = cells.clone().filter_map(|cell| Some(self.cells[cell].levels.first()?.as_str())).collect();
-        if self.cells.len() <= MAX_LINES || first.len() < self.cells.len() || self.report.axes.len() < 2 {
+        let first: Vec<&str> =
+            cells.clone().filter_map(|cell| Some(self.cells[cell].distinct.first()?.as_str())).collect();
+        if self.cells.len() <= MAX_LINES || first.len() < self.cells.len() || self.cells[0].distinct.len() < 2 {
             let line = |cell| Line { key: self.label(cell), points: points(cell) };
             return vec![Facet { title: String::new(), lines: cells.map(line).collect() }];
         }
         let mut facets: Vec<Facet> = Vec::new();
         for (cell, title) in cells.zip(first) {
-            let line = Line { key: self.cells[cell].levels[1..].join(" · "), points: points(cell) };
+            let line = Line { key: self.cells[cell].distinct[1..].join(" · "), points: points(cell) };
             match facets.iter_mut().find(|facet| facet.title == title) {
                 Some(facet) => facet.lines.push(line),
                 None => facets.push(Facet { title: title.to_owned(), lines: vec![line] }),
@@ -236,6 +265,12 @@ impl Facet {
     fn is_empty(&self) -> bool {
         self.lines.iter().all(|line| line.points.is_empty())
     }
+}
+
+/// The picture of a figure of lines, without words.
+fn of_lines(chart: &LineChart) -> Figure {
+    let none = String::new;
+    Figure { name: none(), title: none(), caption: none(), svg: chart.svg(), is_wide: chart.facets.len() > 1 }
 }
 
 /// A name of a file: letters, digits, dots and dashes.

@@ -20,7 +20,7 @@ pub use choice::{Choice, Pick};
 pub(super) use clearance::N_EPISODES as N_CLEARANCE_EPISODES;
 pub(super) use comparison::{Aggregate, Comparison};
 pub(super) use curves::Quantity;
-pub(super) use drives::Driven;
+pub(super) use drives::{ASKED, Driven};
 pub use drives::{Drive, Figures};
 pub use trace::{Form, Scene, Trace};
 
@@ -60,6 +60,8 @@ pub struct Study {
 pub(super) struct Group {
     /// Its levels, in the order of the axes.
     pub(super) levels: Vec<String>,
+    /// Those of them that some other cell does not share.
+    pub(super) distinct: Vec<String>,
     /// Its runs in the report.
     pub(super) runs: Range<usize>,
 }
@@ -101,7 +103,8 @@ impl Study {
         let (versions, revisions) = provenance(root, &report)?;
         let curves = learning_curves(root, &cells, &report)?;
         let runs: Vec<&[RunRow]> = cells.iter().map(|cell| &report.runs[cell.runs.clone()]).collect();
-        let comparisons = COMPARED.map(|metric| Comparison::new(metric, &runs)).into_iter().collect::<Result<_, _>>()?;
+        let comparisons =
+            COMPARED.map(|metric| Comparison::new(metric, &runs)).into_iter().collect::<Result<_, _>>()?;
         let (driven, warnings) = drive(root, choice, with, &index, &cells, &report)?;
         report.warnings.extend(warnings);
         let folder = root.to_owned();
@@ -115,8 +118,8 @@ impl Study {
 
     /// What a cell is called.
     pub(super) fn label(&self, cell: usize) -> String {
-        let levels = &self.cells[cell].levels;
-        if levels.is_empty() { self.name.clone() } else { levels.join(" · ") }
+        let distinct = &self.cells[cell].distinct;
+        if distinct.is_empty() { self.name.clone() } else { distinct.join(" · ") }
     }
 
     /// The worlds of any cell, each once.
@@ -139,10 +142,13 @@ impl Study {
 
 fn groups(index: &Index) -> Vec<Group> {
     let mut first = 0;
+    let is_shared = |axis: usize| index.cells.iter().all(|cell| cell.axes[axis] == index.cells[0].axes[axis]);
     let group = |cell: &Cell| {
         let runs = first..first + cell.runs.len();
         first = runs.end;
-        Group { levels: cell.axes.iter().map(|level| level.level.clone()).collect(), runs }
+        let levels: Vec<String> = cell.axes.iter().map(|level| level.level.clone()).collect();
+        let distinct = levels.iter().enumerate().filter(|(axis, _)| !is_shared(*axis)).map(|(_, level)| level.clone());
+        Group { distinct: distinct.collect(), levels, runs }
     };
     index.cells.iter().map(group).collect()
 }
@@ -167,7 +173,11 @@ fn learning_curves(root: &Path, cells: &[Group], report: &Report) -> Result<Vec<
         rows.push(read.collect::<Result<Vec<_>, Error>>()?);
     }
     let of = |quantity| Curves { quantity, by_cell: rows.iter().map(|runs| curves::curve(quantity, runs)).collect() };
-    Ok(Quantity::ALL.map(of).into_iter().filter(|curves| curves.by_cell.iter().any(|curve| !curve.is_empty())).collect())
+    Ok(Quantity::ALL
+        .map(of)
+        .into_iter()
+        .filter(|curves| curves.by_cell.iter().any(|curve| !curve.is_empty()))
+        .collect())
 }
 
 /// Drives again, row by row; what failed is told in warnings.
@@ -180,10 +190,15 @@ fn drive(
     report: &Report,
 ) -> Result<(Vec<Driven>, Vec<String>), Error> {
     let levels: Vec<String> = cells.iter().map(|cell| cell.levels.join(",")).collect();
-    let titles: Vec<String> = report.rows.iter().map(|row| {
-        let names: Vec<&str> = row.axes.iter().map(|level| level.level.as_str()).chain([row.world.as_str()]).collect();
-        names.join(" · ")
-    }).collect();
+    let titles: Vec<String> = report
+        .rows
+        .iter()
+        .map(|row| {
+            let names: Vec<&str> =
+                row.axes.iter().map(|level| level.level.as_str()).chain([row.world.as_str()]).collect();
+            names.join(" · ")
+        })
+        .collect();
     let mut tasks = Vec::new();
     for (cell, indexed) in index.cells.iter().enumerate() {
         for (world, evaluation) in indexed.evaluations.iter().enumerate() {
@@ -241,7 +256,8 @@ fn check_asked(choice: &Choice, index: &Index, report: &Report) -> Result<(), Er
             return refuse(format!("world `{}`", pick.world), known.into_iter().collect());
         }
         if !named.iter().flat_map(|cell| &cell.runs).any(|run| run.seed == pick.seed) {
-            let known: std::collections::BTreeSet<_> = named.iter().flat_map(|cell| &cell.runs).map(|run| run.seed).collect();
+            let known: std::collections::BTreeSet<_> =
+                named.iter().flat_map(|cell| &cell.runs).map(|run| run.seed).collect();
             return refuse(format!("seed {}", pick.seed), known.into_iter().map(|seed| seed.to_string()).collect());
         }
         let of = |run: &&RunRow| run.seed == pick.seed;

@@ -129,7 +129,8 @@ mod tests {
     #[test]
     fn bars_stand_where_their_values_are() {
         let bar = Bar { mean: 50.0, interval: Some((25.0, 75.0)), units: vec![0.0, 100.0], tip: "a & b".into() };
-        let column = Column { title: "success".into(), unit: "%".into(), bars: vec![Some(bar), None], top: Some(100.0) };
+        let column =
+            Column { title: "success".into(), unit: "%".into(), bars: vec![Some(bar), None], top: Some(100.0) };
         let svg = IntervalChart { rows: vec!["one".into(), "<two>".into()], columns: vec![column] }.svg();
         assert!(svg.contains("a &amp; b") && svg.contains("&lt;two&gt;"));
         // From 74 + 13 to 948 - 13: 848 pixels of 100 %.

@@ -123,7 +123,8 @@ impl LineChart {
             return;
         }
         for (point, place) in line.points.iter().zip(points) {
-            let band = point.band.map_or_else(String::new, |(low, high)| format!(" ({} to {})", digits(low), digits(high)));
+            let band =
+                point.band.map_or_else(String::new, |(low, high)| format!(" ({} to {})", digits(low), digits(high)));
             let tip = format!("{}: {}{band} at {}, n = {}", line.key, digits(point.y), digits(point.x), point.n);
             open(svg, r#"class="mark""#, &tip);
             svg.circle(place, 8.0, r#"fill="transparent" stroke="none""#);
@@ -174,7 +175,8 @@ mod tests {
 
     #[test]
     fn equal_keys_look_the_same_in_every_frame() {
-        let facet = |title: &str| Facet { title: title.into(), lines: vec![line("b", &[0.1, 0.2]), line("a", &[0.3, 0.4])] };
+        let facet =
+            |title: &str| Facet { title: title.into(), lines: vec![line("b", &[0.1, 0.2]), line("a", &[0.3, 0.4])] };
         let svg = chart(vec![facet("one"), facet("<two>")]).svg();
         assert!(svg.contains("&lt;two&gt;"));
         for (k, colour) in [(0, "#0072b2"), (1, "#d55e00")] {

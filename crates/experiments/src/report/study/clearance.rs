@@ -5,7 +5,7 @@ use headway_env::Navigator;
 use super::bands::{Point, mean_with_band};
 
 /// Episodes of every run and world that are driven again for it: the first ones.
-pub(crate) const N_EPISODES: usize = 10;
+pub(crate) const N_EPISODES: usize = 40;
 /// Width of a bin of clearances, m.
 const BIN: f64 = 0.1;
 /// Number of bins; what is farther off is left out.

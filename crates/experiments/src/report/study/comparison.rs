@@ -52,11 +52,8 @@ impl Comparison {
                 let over = x.improvement(y)?;
                 improvement[i][j] = over;
                 // Pairs are counted once, ties by half: the other direction is what remains.
-                improvement[j][i] = over.map(|over| Interval {
-                    point: 1.0 - over.point,
-                    low: 1.0 - over.high,
-                    high: 1.0 - over.low,
-                });
+                improvement[j][i] =
+                    over.map(|over| Interval { point: 1.0 - over.point, low: 1.0 - over.high, high: 1.0 - over.low });
             }
         }
         Ok(Self { metric, iqm: arms.iter().map(Arm::iqm).collect(), profiles, improvement })
@@ -65,7 +62,8 @@ impl Comparison {
 
 impl<'a> Arm<'a> {
     fn new(metric: Metric, runs: &'a [RunRow]) -> Self {
-        let worlds = runs.first().map_or_else(Vec::new, |run| run.summaries.iter().map(|(name, _)| &name[..]).collect());
+        let worlds =
+            runs.first().map_or_else(Vec::new, |run| run.summaries.iter().map(|(name, _)| &name[..]).collect());
         let row = |run: &RunRow| run.summaries.iter().map(|(_, summary)| metric.of(summary.as_ref()?)).collect();
         let rows: Vec<Vec<f64>> = runs.iter().filter_map(row).collect();
         Self { worlds, scores: Scores::from_rows(&rows).ok() }
@@ -90,7 +88,8 @@ impl<'a> Arm<'a> {
         let taus: Vec<f64> = (0..N_TAUS).map(|k| k as f64 / (N_TAUS - 1) as f64).collect();
         let shares = performance_profile(scores, &taus, Profile::Runs, &resampling()).map_err(Error::failure)?;
         let band = |share: &Interval| self.has_spread().then(|| share.ends());
-        let point = |(tau, share): (f64, &Interval)| Point { x: tau, y: share.point, band: band(share), n: self.n_runs() };
+        let point =
+            |(tau, share): (f64, &Interval)| Point { x: tau, y: share.point, band: band(share), n: self.n_runs() };
         Ok(taus.into_iter().zip(&shares).map(point).collect())
     }
 

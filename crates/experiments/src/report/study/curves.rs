@@ -116,15 +116,21 @@ mod tests {
 
     #[test]
     fn runs_meet_at_equal_steps() {
-        let run = |reward: f64| (1..=2).map(|k| row(&[("env_steps", 10.0 * f64::from(k)), ("reward_mean", reward)])).collect();
+        let run = |reward: f64| {
+            (1..=2).map(|k| row(&[("env_steps", 10.0 * f64::from(k)), ("reward_mean", reward)])).collect()
+        };
         let curve = curve(Quantity::Reward, &[run(1.0), run(2.0), run(6.0)]);
-        assert_eq!(curve.iter().map(|point| (point.x, point.y, point.n)).collect::<Vec<_>>(), [(10.0, 3.0, 3), (20.0, 3.0, 3)]);
+        assert_eq!(
+            curve.iter().map(|point| (point.x, point.y, point.n)).collect::<Vec<_>>(),
+            [(10.0, 3.0, 3), (20.0, 3.0, 3)]
+        );
         assert!(curve[0].band.is_some_and(|(low, high)| low < 3.0 && high > 3.0));
     }
 
     #[test]
     fn long_runs_are_averaged() {
-        let run: Vec<Row> = (1..=250).map(|k| row(&[("env_steps", f64::from(k)), ("reward_mean", f64::from(k))])).collect();
+        let run: Vec<Row> =
+            (1..=250).map(|k| row(&[("env_steps", f64::from(k)), ("reward_mean", f64::from(k))])).collect();
         let curve = curve(Quantity::Reward, &[run]);
         assert_eq!((curve.len(), curve[0].x, curve[0].y, curve[0].band), (84, 3.0, 2.0, None));
     }

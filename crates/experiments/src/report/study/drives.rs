@@ -15,6 +15,9 @@ use crate::plot::Trajectory;
 use crate::report::RunRow;
 use crate::store::{Id, RunFolder};
 
+/// Why those are shown that were asked for.
+pub(crate) const ASKED: &str = "asked for";
+
 /// An episode that the page shows.
 #[derive(Debug, Clone, Serialize)]
 pub struct Drive {
@@ -107,10 +110,16 @@ impl Task<'_> {
         Ok(driven)
     }
 
-    fn asked<'a>(&self, choice: &Choice, seed: u64, records: &'a [EpisodeRecord]) -> Vec<(&'static str, &'a EpisodeRecord)> {
-        let here = choice.asked.iter().filter(|pick| pick.is_of(self.levels) && pick.world == self.name && pick.seed == seed);
+    fn asked<'a>(
+        &self,
+        choice: &Choice,
+        seed: u64,
+        records: &'a [EpisodeRecord],
+    ) -> Vec<(&'static str, &'a EpisodeRecord)> {
+        let here =
+            choice.asked.iter().filter(|pick| pick.is_of(self.levels) && pick.world == self.name && pick.seed == seed);
         let record = |scenario: u64| records.iter().find(|record| record.scenario == scenario);
-        here.filter_map(|pick| Some(("asked for", record(pick.scenario)?))).collect()
+        here.filter_map(|pick| Some((ASKED, record(pick.scenario)?))).collect()
     }
 
     fn show(
@@ -166,7 +175,12 @@ impl Driven {
 }
 
 impl Evaluation {
-    fn drive(&mut self, set: &ScenarioSet, record: &EpisodeRecord, watch: impl FnMut(&Navigator)) -> Result<EpisodeRecord, Error> {
+    fn drive(
+        &mut self,
+        set: &ScenarioSet,
+        record: &EpisodeRecord,
+        watch: impl FnMut(&Navigator),
+    ) -> Result<EpisodeRecord, Error> {
         let number = usize::try_from(record.scenario).map_err(Error::failure)?;
         set.drive(&self.mdp, &mut *self.driver, number, watch)
     }

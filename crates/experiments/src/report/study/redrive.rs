@@ -66,9 +66,10 @@ mod tests {
 
     #[test]
     fn rewards_of_plugins_do_not_matter() {
-        let tables: Table =
-            toml::from_str("files = [\"ab\"]\n[lidar]\nn_beams = 7\n[reward]\ntype = \"not/here\"\n[policy]\ntype = \"vfh\"")
-                .unwrap();
+        let tables: Table = toml::from_str(
+            "files = [\"ab\"]\n[lidar]\nn_beams = 7\n[reward]\ntype = \"not/here\"\n[policy]\ntype = \"vfh\"",
+        )
+        .unwrap();
         let spec = run_spec(tables).unwrap();
         assert_eq!(spec.lidar.n_beams, 7);
         assert!(matches!(spec.policy, PolicySpec::Vfh(_)));
