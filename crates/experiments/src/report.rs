@@ -14,7 +14,7 @@ mod table;
 pub use figures::Figure;
 pub use load::load;
 pub use runs::{Policy, RunRow};
-pub use study::{Choice, Drive, Figures, Form, Pick, Scene, Study, Trace};
+pub use study::{Choice, Drive, Form, Pick, Scene, Study, Trace, Trajectories};
 
 use headway_stats::{Confidence, Estimate, over_seeds, wilson};
 

@@ -1,5 +1,7 @@
 //! All that a page or a set of figures shows of a results folder, computed.
 
+mod again;
+mod asked;
 mod bands;
 mod choice;
 mod clearance;
@@ -10,10 +12,8 @@ mod redrive;
 mod trace;
 
 use std::collections::BTreeMap;
-use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::thread::available_parallelism;
 
 pub(super) use bands::Point;
 pub use choice::{Choice, Pick};
@@ -21,15 +21,13 @@ pub(super) use clearance::N_EPISODES as N_CLEARANCE_EPISODES;
 pub(super) use comparison::{Aggregate, Comparison};
 pub(super) use curves::Quantity;
 pub(super) use drives::{ASKED, Driven};
-pub use drives::{Drive, Figures};
+pub use drives::{Drive, Trajectories};
 pub use trace::{Form, Scene, Trace};
 
 use super::{Policy, Report, RunRow, load};
 use crate::Error;
-use crate::jobs::{self, Display, Job};
 use crate::store::{Cell, Index, RunFolder};
 use comparison::COMPARED;
-use drives::Task;
 
 /// A results folder as pages and figures show it: the report, its learning curves, comparisons of its cells, and episodes
 /// that were driven again.
@@ -90,11 +88,17 @@ impl Study {
     ///
     /// # Errors
     /// As [`load`]; and if an episode is asked for that is not there.
-    pub fn load(root: &Path, choice: &Choice, with: Figures) -> Result<Self, Error> {
+    ///
+    /// ```
+    /// use headway_experiments::report::{Choice, Study, Trajectories};
+    /// let missing = Study::load("no/results".as_ref(), &Choice::default(), Trajectories::Dropped).unwrap_err();
+    /// assert!(missing.to_string().contains("no/results"));
+    /// ```
+    pub fn load(root: &Path, choice: &Choice, with: Trajectories) -> Result<Self, Error> {
         let index = Index::load(root)?;
         let mut report = load(root)?;
         let cells = groups(&index);
-        check_asked(choice, &index, &report)?;
+        asked::check(choice, &index, &report)?;
         let places = index.cells.iter().enumerate().flat_map(|(cell, indexed)| {
             let place = move |(world, id): (usize, String)| Place { cell, world, eval_id: id };
             indexed.evaluations.iter().map(|evaluation| evaluation.eval_id.to_string()).enumerate().map(place)
@@ -105,7 +109,7 @@ impl Study {
         let runs: Vec<&[RunRow]> = cells.iter().map(|cell| &report.runs[cell.runs.clone()]).collect();
         let comparisons =
             COMPARED.map(|metric| Comparison::new(metric, &runs)).into_iter().collect::<Result<_, _>>()?;
-        let (driven, warnings) = drive(root, choice, with, &index, &cells, &report)?;
+        let (driven, warnings) = again::drive(root, choice, with, &index, &cells, &report)?;
         report.warnings.extend(warnings);
         let folder = root.to_owned();
         Ok(Self { name: index.name, folder, report, cells, places, versions, revisions, curves, comparisons, driven })
@@ -178,95 +182,4 @@ fn learning_curves(root: &Path, cells: &[Group], report: &Report) -> Result<Vec<
         .into_iter()
         .filter(|curves| curves.by_cell.iter().any(|curve| !curve.is_empty()))
         .collect())
-}
-
-/// Drives again, row by row; what failed is told in warnings.
-fn drive(
-    root: &Path,
-    choice: &Choice,
-    with: Figures,
-    index: &Index,
-    cells: &[Group],
-    report: &Report,
-) -> Result<(Vec<Driven>, Vec<String>), Error> {
-    let levels: Vec<String> = cells.iter().map(|cell| cell.levels.join(",")).collect();
-    let titles: Vec<String> = report
-        .rows
-        .iter()
-        .map(|row| {
-            let names: Vec<&str> =
-                row.axes.iter().map(|level| level.level.as_str()).chain([row.world.as_str()]).collect();
-            names.join(" · ")
-        })
-        .collect();
-    let mut tasks = Vec::new();
-    for (cell, indexed) in index.cells.iter().enumerate() {
-        for (world, evaluation) in indexed.evaluations.iter().enumerate() {
-            let row = tasks.len();
-            let input = Task {
-                row,
-                runs: &report.runs[cells[cell].runs.clone()],
-                world,
-                name: &evaluation.world,
-                eval_id: &evaluation.eval_id,
-                levels: &levels[cell],
-                title: &titles[row],
-            };
-            tasks.push(Job { input, work: 1 });
-        }
-    }
-    let n_workers = available_parallelism().unwrap_or(NonZeroUsize::MIN);
-    let outcomes = jobs::run(&tasks, n_workers, Display::auto("rows of drives"), |task: &Task<'_>, progress| {
-        progress.advance(1);
-        Ok::<_, Error>(task.drive(root, choice, with))
-    })?;
-    let mut warnings = Vec::new();
-    let mut driven = Vec::new();
-    for (outcome, title) in outcomes.into_iter().zip(&titles) {
-        driven.push(outcome.unwrap_or_else(|error| {
-            warnings.push(format!("{title}: cannot be driven again: {error}"));
-            Driven::default()
-        }));
-    }
-    let sum = |count: fn(&Driven) -> usize| driven.iter().map(count).sum::<usize>();
-    let (n, n_otherwise) = (sum(|driven| driven.n_driven), sum(|driven| driven.n_otherwise));
-    if n_otherwise > 0 {
-        warnings.push(format!(
-            "{n_otherwise} of {n} episodes that were driven again went otherwise than recorded: by other code, or from \
-             files that have changed since; drives and speeds over clearance are those of today"
-        ));
-    }
-    Ok((driven, warnings))
-}
-
-/// Refuses episodes that are not there.
-fn check_asked(choice: &Choice, index: &Index, report: &Report) -> Result<(), Error> {
-    for pick in &choice.asked {
-        let levels = |cell: &Cell| cell.axes.iter().map(|level| level.level.as_str()).collect::<Vec<_>>().join(",");
-        let named: Vec<&Cell> = index.cells.iter().filter(|cell| pick.is_of(&levels(cell))).collect();
-        let refuse = |what: String, known: Vec<String>| {
-            Err(Error::Input(format!("--drive: there is no {what}; there are {}", known.join("; "))))
-        };
-        if named.is_empty() {
-            return refuse(format!("cell `{}`", pick.cell), index.cells.iter().map(levels).collect());
-        }
-        let worlds = || named.iter().flat_map(|cell| &cell.evaluations).map(|evaluation| evaluation.world.clone());
-        if !worlds().any(|world| world == pick.world) {
-            let known: std::collections::BTreeSet<_> = worlds().collect();
-            return refuse(format!("world `{}`", pick.world), known.into_iter().collect());
-        }
-        if !named.iter().flat_map(|cell| &cell.runs).any(|run| run.seed == pick.seed) {
-            let known: std::collections::BTreeSet<_> =
-                named.iter().flat_map(|cell| &cell.runs).map(|run| run.seed).collect();
-            return refuse(format!("seed {}", pick.seed), known.into_iter().map(|seed| seed.to_string()).collect());
-        }
-        let of = |run: &&RunRow| run.seed == pick.seed;
-        let n_episodes = report.runs.iter().filter(of).flat_map(|run| &run.summaries);
-        let n_episodes = n_episodes.filter(|(world, _)| *world == pick.world).filter_map(|(_, summary)| *summary);
-        let n = n_episodes.map(|summary| summary.n_episodes).max().unwrap_or(0);
-        if pick.scenario >= n as u64 {
-            return refuse(format!("scenario {}", pick.scenario), vec![format!("{n}, counted from 0")]);
-        }
-    }
-    Ok(())
 }

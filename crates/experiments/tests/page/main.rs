@@ -165,3 +165,29 @@ fn figures_are_files() {
         assert!(svg.starts_with("<svg xmlns=") && svg.ends_with("</svg>\n") && !svg.contains("NaN"), "{path}");
     }
 }
+
+#[test]
+fn what_is_unfinished_or_otherwise_is_said() {
+    let bench = Bench::get();
+    let copied = Command::new("cp").args(["-r", "out", "changed"]).current_dir(bench.folder.path()).status().unwrap();
+    assert!(copied.success());
+    let index: Value = serde_json::from_str(&fs::read_to_string(bench.path("changed/index.json")).unwrap()).unwrap();
+    let run = |cell: usize, seed: usize| {
+        bench.path("changed/runs").join(index["cells"][cell]["runs"][seed]["train_id"].as_str().unwrap())
+    };
+    fs::remove_file(run(0, 2).join("done")).unwrap();
+    // Two runs change their policies, and what vouches for them.
+    let of_policy = |line: &&str| line.ends_with("policy.safetensors");
+    let dones = [0, 1].map(|seed| fs::read_to_string(run(1, seed).join("done")).unwrap());
+    let policies = [0, 1].map(|seed| fs::read(run(1, seed).join("policy.safetensors")).unwrap());
+    for (seed, other) in [(0, 1), (1, 0)] {
+        let [own, its] = [seed, other].map(|k: usize| dones[k].lines().find(of_policy).unwrap());
+        fs::write(run(1, seed).join("done"), dones[seed].replace(own, its)).unwrap();
+        fs::write(run(1, seed).join("policy.safetensors"), &policies[other]).unwrap();
+    }
+    bench.succeed(&["report", "changed", "--format", "html"]);
+    let page = fs::read_to_string(bench.path("changed/report.html")).unwrap();
+    assert!(page.contains("unfinished: 6 of 7 runs are complete"), "VFH has one run");
+    assert!(page.contains("went otherwise than recorded: by other code"));
+    assert!(page.contains("href=\"./runs/"), "links lead on from the results folder");
+}

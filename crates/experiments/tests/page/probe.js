@@ -44,9 +44,9 @@ async function use() {
   element("time").value = element("time").max;
   element("time").dispatchEvent(new Event("input"));
   check("the slider goes to the end", element("clock").textContent.match(/^([\d.]+) \/ \1 s$/));
+  const end = seconds();
   element("rate").value = "8";
   press(" ");
-  const end = seconds();
   check("it plays again from the start", await until(() => seconds() > 0 && seconds() < end));
   press(" ");
   for (let number = 1; number < probe.drives; number++) {

@@ -134,7 +134,7 @@ mod tests {
         let svg = IntervalChart { rows: vec!["one".into(), "<two>".into()], columns: vec![column] }.svg();
         assert!(svg.contains("a &amp; b") && svg.contains("&lt;two&gt;"));
         // From 74 + 13 to 948 - 13: 848 pixels of 100 %.
-        assert!(svg.contains(r#"<line x1="299" y1="56" x2="723" y2="56" stroke="#0072b2""#), "{svg}");
+        assert!(svg.contains(r##"<line x1="299" y1="56" x2="723" y2="56" stroke="#0072b2""##), "{svg}");
         assert!(svg.contains(r#"<circle cx="511" cy="56" r="4.6""#), "{svg}");
         assert!(svg.contains(">\u{2013}</text>"), "undefined is said");
     }

@@ -16,6 +16,13 @@ pub struct Choice {
 }
 
 /// An episode that was asked for: `CELL/WORLD/SEED/SCENARIO`.
+///
+/// ```
+/// use headway_experiments::report::Pick;
+/// let pick: Pick = "R_couple,DDQN/10x15/0/17".parse()?;
+/// assert_eq!((&pick.cell[..], &pick.world[..], pick.seed, pick.scenario), ("R_couple,DDQN", "10x15", 0, 17));
+/// # Ok::<(), &str>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pick {
     /// The cell: its levels in the order of the axes, joined by commas; or `*` for every cell.

@@ -78,7 +78,7 @@ impl Task<'_> {
     ///
     /// # Errors
     /// If a run cannot be set up as it was.
-    pub(super) fn drive(&self, root: &std::path::Path, choice: &Choice, with: Figures) -> Result<Driven, Error> {
+    pub(super) fn drive(&self, root: &std::path::Path, choice: &Choice, with: Trajectories) -> Result<Driven, Error> {
         let mut driven = Driven::default();
         let mut meters = Vec::new();
         let typical = Choice::typical_run(self.runs, self.world).map(|run| run.seed);
@@ -128,7 +128,7 @@ impl Task<'_> {
         seed: u64,
         why: &'static str,
         record: &EpisodeRecord,
-        with: Figures,
+        with: Trajectories,
     ) -> Result<Drive, Error> {
         let number = usize::try_from(record.scenario).map_err(Error::failure)?;
         let set = ScenarioSet::part(&evaluation.mdp, number..number + 1, evaluation.seed)?;
@@ -140,7 +140,8 @@ impl Task<'_> {
         })?;
         let (scene, recorder) = recording.expect("the start is seen in any case");
         let title = || format!("{}, seed {seed}, scenario {number}", self.title);
-        let trajectory = (with == Figures::Yes).then(|| set.trajectory(&mdp, &mut *evaluation.driver, number, title()));
+        let trajectory =
+            (with == Trajectories::Kept).then(|| set.trajectory(&mdp, &mut *evaluation.driver, number, title()));
         Ok(Drive {
             row: self.row,
             seed,
@@ -158,13 +159,13 @@ impl Task<'_> {
     }
 }
 
-/// Whether drives are kept as figures need them, too.
+/// What becomes of each drive's [`Trajectory`], which figures in files need and pages do not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Figures {
-    /// They are.
-    Yes,
-    /// They are not.
-    No,
+pub enum Trajectories {
+    /// They are kept.
+    Kept,
+    /// They are dropped.
+    Dropped,
 }
 
 impl Driven {
