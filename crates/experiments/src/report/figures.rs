@@ -56,7 +56,7 @@ impl Study {
         });
         let mut paths = Vec::new();
         for (name, svg) in charts.chain(drives) {
-            let path = folder.join(name + ".svg");
+            let path = free_path(folder, &name, &paths);
             std::fs::write(&path, svg).map_err(|error| Error::io("write", &path, error))?;
             paths.push(path);
         }
@@ -267,6 +267,13 @@ impl Facet {
     }
 }
 
+/// The path of a figure: names that differ in what files cannot have must not share one.
+fn free_path(folder: &Path, name: &str, taken: &[PathBuf]) -> PathBuf {
+    let numbered = (2..).map(|k| folder.join(format!("{name}-{k}.svg")));
+    let mut paths = std::iter::once(folder.join(format!("{name}.svg"))).chain(numbered);
+    paths.find(|path| !taken.contains(path)).expect("numbers do not end")
+}
+
 /// The picture of a figure of lines, without words.
 fn of_lines(chart: &LineChart) -> Figure {
     let none = String::new;
@@ -285,5 +292,7 @@ mod tests {
     #[test]
     fn files_stay_in_their_folder() {
         assert_eq!(file_name("drive-../a b-R=1"), "drive-..-a-b-R-1");
+        let first = free_path(Path::new("f"), "a", &[]);
+        assert_eq!(free_path(Path::new("f"), "a", &[first]), Path::new("f/a-2.svg"));
     }
 }

@@ -1,16 +1,15 @@
-//! The page in a browser, headless: Chromium, from the variable `CHROMIUM` or the path; skipped where there is none.
+//! The page in a browser without a window: Chromium, from the variable `CHROMIUM` or the path; skipped where there is none.
 
-use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::path::PathBuf;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::Bench;
+use super::devtools::Browser;
 
 /// Uses the page and notes what came of it.
 const PROBE: &str = include_str!("probe.js");
-/// The longest that a small page may take to load, ms. Ten times what it takes, for machines with other things to do.
+/// The longest that a small page may take to load, ms: ten times what it takes, for machines with other things to do.
 const MAX_LOAD: f64 = 5000.0;
 
 fn chromium() -> Option<PathBuf> {
@@ -22,31 +21,6 @@ fn chromium() -> Option<PathBuf> {
     names.iter().flat_map(|name| folders.iter().map(move |folder| folder.join(name))).find(|path| path.is_file())
 }
 
-/// What the probe found on a page, in a window of this size.
-fn probe(chromium: &Path, page: &Path, size: &str) -> Value {
-    let profile = tempfile::tempdir().unwrap();
-    let output = Command::new(chromium)
-        .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run"])
-        .args([
-            "--disable-background-networking",
-            "--hide-scrollbars",
-            "--timeout=60000",
-            "--virtual-time-budget=60000",
-        ])
-        .arg(format!("--user-data-dir={}", profile.path().display()))
-        .arg(format!("--window-size={size}"))
-        .arg("--dump-dom")
-        .arg(format!("file://{}", page.display()))
-        .output()
-        .unwrap();
-    let dom = String::from_utf8_lossy(&output.stdout);
-    let (_, rest) = dom.split_once(r#"<pre id="probe">"#).unwrap_or_else(|| {
-        panic!("the probe did not finish: {}\n{}", &dom[..dom.len().min(500)], String::from_utf8_lossy(&output.stderr))
-    });
-    let json = rest.split_once("</pre>").unwrap().0;
-    serde_json::from_str(&json.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")).unwrap()
-}
-
 #[test]
 fn it_works_in_a_browser() {
     let Some(chromium) = chromium() else {
@@ -55,14 +29,39 @@ fn it_works_in_a_browser() {
         return;
     };
     let bench = Bench::get();
-    let page = bench.page("browser.html", &[]);
-    let probed = bench.path("probed.html");
-    fs::write(&probed, page.replacen("<title>", &format!("<script>{PROBE}</script><title>"), 1)).unwrap();
-    for size in ["1280,900", "500,800"] {
-        let found = probe(&chromium, &probed, size);
-        assert_eq!(found["errors"].as_array().unwrap().len(), 0, "{size}: {}", found["errors"]);
-        assert_eq!(found["failed"].as_array().unwrap().len(), 0, "{size}: {}", found["failed"]);
-        assert!(found["drives"].as_u64().unwrap() >= 6);
-        assert!(found["loaded"].as_f64().unwrap() < MAX_LOAD, "{size}: loaded in {} ms", found["loaded"]);
+    bench.page("browser.html", &[]);
+    let url = format!("file://{}", bench.path("browser.html").display());
+    for (width, height, scheme) in [(1280, 900, "light"), (390, 844, "dark")] {
+        let mut browser = Browser::start(&chromium);
+        let is_phone = width < 500;
+        let metrics = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": is_phone });
+        browser.call("Emulation.setDeviceMetricsOverride", metrics);
+        let scheme = json!({ "features": [{ "name": "prefers-color-scheme", "value": scheme }] });
+        browser.call("Emulation.setEmulatedMedia", scheme);
+        browser.call("Page.addScriptToEvaluateOnNewDocument", json!({ "source": PROBE }));
+        browser.call("Page.navigate", json!({ "url": url }));
+        // The page of before may still be there when it is first asked.
+        let found = browser.wait_for(
+            "new Promise((tell) => { const ask = () => globalThis.probe?.drives ? probe.result.then(tell) : setTimeout(ask, 50); ask(); })",
+        );
+        assert_eq!(found["failed"], json!([]), "{width} pixels");
+        assert_eq!(browser.complaints, [] as [String; 0], "{width} pixels");
+        assert!(found["drives"].as_u64().is_some_and(|n| n >= 6), "{found}");
+        assert!(found["loaded"].as_f64().is_some_and(|loaded: f64| loaded < MAX_LOAD), "{width} pixels: {found}");
     }
+}
+
+#[test]
+fn a_broken_page_is_found_out() {
+    let Some(chromium) = chromium() else {
+        eprintln!("skipped: no Chromium; CHROMIUM names one");
+        return;
+    };
+    let mut browser = Browser::start(&chromium);
+    let page = "data:text/html,<script>console.error('told');nothing.here</script><img src='https://example.invalid/'>";
+    browser.call("Page.navigate", json!({ "url": page }));
+    let ready = "new Promise((tell) => { const ask = () => document.readyState === 'complete' && location.protocol === 'data:' ? tell(true) : setTimeout(ask, 50); ask(); })";
+    assert_eq!(browser.wait_for(ready), Value::Bool(true));
+    let said = browser.complaints.join("\n");
+    assert!(said.contains("told") && said.contains("nothing is not defined"), "{said}");
 }

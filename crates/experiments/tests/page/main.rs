@@ -2,6 +2,7 @@
 //! report says, and works in a browser.
 
 mod browser;
+mod devtools;
 
 use std::fs;
 use std::path::PathBuf;

@@ -1,14 +1,9 @@
-// Uses the page as a reader would, and writes what came of it into an element: `checks` that failed, `errors` of the browser.
-const probe = { errors: [], failed: [], loaded: 0, drives: 0 };
-for (const type of ["error", "unhandledrejection", "securitypolicyviolation"]) {
-  const told = (event) => event.message || event.reason || event.violatedDirective;
-  window.addEventListener(type, (event) => probe.errors.push(`${type}: ${told(event)}`), true);
-}
-for (const kind of ["error", "warn"]) {
-  console[kind] = (...parts) => probe.errors.push(`console.${kind}: ${parts.join(" ")}`);
-}
+// Uses the page as a reader would. What came of it is `probe.result`: the checks that failed, the number of drives, and when
+// the page had loaded, in milliseconds.
+globalThis.probe = { drives: 0 };
+const failed = [];
 const element = (id) => document.getElementById(id);
-const check = (name, isTrue) => { if (!isTrue) probe.failed.push(name); };
+const check = (name, isTrue) => { if (!isTrue) failed.push(name); };
 const wait = (milliseconds) => new Promise((resolve) => setTimeout(resolve, milliseconds));
 // Until something is so, ten seconds at most: how often a page without a window is painted is not known.
 const until = async (isSo) => {
@@ -23,7 +18,6 @@ const isPainted = (canvas) => {
 };
 async function use() {
   check("the page gets ready", document.documentElement.dataset.ready === "yes");
-  probe.drives = element("drive").options.length;
   check("it shows a drive", probe.drives > 0 && document.querySelector("#drive-figure svg"));
   for (const id of ["room", "strip", "action"]) check(`the ${id} is painted`, isPainted(element(id)));
   check("it starts at the start", seconds() === 0);
@@ -72,11 +66,11 @@ async function use() {
   const beyond = wide.find((e) => e.getBoundingClientRect().right > document.documentElement.clientWidth + 1);
   check(`nothing is wider than the window: ${beyond?.outerHTML.slice(0, 80)}`, !beyond);
 }
-window.addEventListener("load", async () => {
-  probe.loaded = performance.now();
-  try { await use(); } catch (error) { probe.errors.push(`${error.stack}`); }
-  const result = document.createElement("pre");
-  result.id = "probe";
-  result.textContent = JSON.stringify(probe);
-  document.body.append(result);
+probe.result = new Promise((tell) => {
+  window.addEventListener("load", async () => {
+    const loaded = performance.now();
+    probe.drives = element("drive")?.options.length;
+    try { await use(); } catch (error) { failed.push(error.stack); }
+    tell({ failed, loaded, drives: probe.drives });
+  });
 });

@@ -37,6 +37,7 @@ const FRAME_HEIGHT: f64 = 250.0;
 const LEFT: f64 = 64.0;
 const BOTTOM: f64 = 52.0;
 const TOP: f64 = 30.0;
+/// Most frames beside each other.
 const MAX_COLUMNS: usize = 3;
 /// Height of a line of the legend.
 const KEY_HEIGHT: f64 = 20.0;
@@ -47,7 +48,7 @@ impl LineChart {
     /// The chart as SVG.
     pub(crate) fn svg(&self) -> String {
         let mut svg = Svg::default();
-        let n_columns = self.facets.len().clamp(1, MAX_COLUMNS);
+        let n_columns = n_columns(self.facets.len());
         let width = if self.facets.len() == 1 { LONE_WIDTH } else { WIDTH };
         let column = (width - 16.0) / n_columns as f64;
         let row = TOP + FRAME_HEIGHT + BOTTOM;
@@ -134,6 +135,12 @@ impl LineChart {
     }
 }
 
+/// How many frames of `n` stand beside each other: as many as leave the fewest places empty.
+fn n_columns(n: usize) -> usize {
+    let n_empty = |columns: &usize| n.next_multiple_of(*columns) - n;
+    (1..=MAX_COLUMNS.min(n.max(1))).rev().filter(|columns| *columns > 1 || n < 2).min_by_key(n_empty).unwrap_or(1)
+}
+
 /// A number with some three digits.
 fn digits(value: f64) -> String {
     let decimals = if value == 0.0 { 0.0 } else { (2.0 - value.abs().log10().floor()).clamp(0.0, 4.0) } as usize;
@@ -185,6 +192,11 @@ mod tests {
             assert_eq!(svg.matches(&format!(r#"fill="none" stroke="{colour}""#)).count(), 3); // two lines and a key
         }
         assert!(svg.contains("<title>a: 0.300 (0.200 to 0.400) at 0, n = 3</title>"), "{svg}");
+    }
+
+    #[test]
+    fn frames_fill_their_rows() {
+        assert_eq!([0, 1, 2, 3, 4, 5, 6, 8].map(n_columns), [1, 1, 2, 3, 2, 3, 3, 3]);
     }
 
     #[test]

@@ -96,7 +96,7 @@ class Player {
     this.draw();
   }
   draw() {
-    if (!this.drive) return;
+    if (!this.drive || this.root.clientWidth === 0) return; // not shown, as on paper
     const style = {
       colours: this.night.matches ? NIGHT : PAPER, stops: this.data.viridis, rays: this.inputs.rays.checked,
       isOver: this.time >= this.end,
@@ -134,7 +134,7 @@ class Player {
     return { speed: trace.commandSpeed[k], yawRate: trace.commandYawRate[k] };
   }
   drawAction(style) {
-    const size = 168;
+    const size = window.innerWidth > 760 ? 168 : 140;
     const surface = new CanvasSurface(this.canvases.action, size, size);
     const points = this.drive.set_points;
     if (points && points[1].length > 1) drawSetPoints(surface, size, points, this.chosen(), style.colours);

@@ -9,8 +9,9 @@ impl Study {
     /// The table, one row per cell and world.
     pub(super) fn results(&self) -> String {
         let metrics = self.report.metrics();
-        let axes: String =
-            self.report.axes.iter().map(|axis| format!("<th scope=\"col\">{}</th>", escaped(axis))).collect();
+        let axis =
+            |(k, axis): (usize, &String)| format!("<th scope=\"col\"{}>{}</th>", self.class_of_axis(k), escaped(axis));
+        let axes: String = self.report.axes.iter().enumerate().map(axis).collect();
         let head: String = metrics.iter().map(|metric| column_head(*metric)).collect();
         let rows: String = (0..self.report.rows.len()).map(|row| self.result(row, &metrics)).collect();
         format!(
@@ -22,9 +23,17 @@ impl Study {
     fn result(&self, row: usize, metrics: &[Metric]) -> String {
         let numbers = &self.report.rows[row];
         let levels = numbers.axes.iter().map(|level| level.level.as_str()).chain([numbers.world.as_str()]);
-        let names: String = levels.map(|name| format!("<th scope=\"row\">{}</th>", escaped(name))).collect();
+        let name = |(k, name)| format!("<th scope=\"row\"{}>{}</th>", self.class_of_axis(k), escaped(name));
+        let names: String = levels.enumerate().map(name).collect();
         let cells: String = metrics.iter().map(|metric| self.cell(row, *metric)).collect();
         format!("<tr>{names}<td class=\"n\">{}</td>{cells}</tr>\n", numbers.n_seeds)
+    }
+
+    /// What tells a column that is the same in all rows, so that narrow windows can do without.
+    fn class_of_axis(&self, axis: usize) -> &'static str {
+        let mut levels = self.report.rows.iter().map(|row| row.axes.get(axis));
+        let first = levels.next().flatten();
+        if first.is_some() && levels.all(|level| level == first) { " class=\"same\"" } else { "" }
     }
 
     /// A number with its interval, which leads to its runs.
