@@ -46,6 +46,18 @@ fn short(value: f64, label: &str) -> String {
     }
 }
 
+/// The ends of an axis that holds values from `low` to `high`, with a little room; from 0 to 1 where there are none.
+fn padded(low: f64, high: f64) -> [f64; 2] {
+    let span = high - low;
+    if span > 0.0 {
+        [low - 0.05 * span, high + 0.05 * span]
+    } else if low.is_finite() {
+        [low - 0.5, high + 0.5]
+    } else {
+        [0.0, 1.0]
+    }
+}
+
 /// The width of a text in the font of charts, roughly, pixels.
 fn text_width(text: &str) -> f64 {
     6.9 * text.chars().count() as f64
@@ -66,6 +78,12 @@ fn close(svg: &mut Svg) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn axes_have_an_extent() {
+        assert_eq!([padded(0.0, 2.0), padded(3.0, 3.0)], [[-0.1, 2.1], [2.5, 3.5]]);
+        assert_eq!(padded(f64::INFINITY, f64::NEG_INFINITY), [0.0, 1.0]);
+    }
 
     #[test]
     fn large_numbers_are_short() {

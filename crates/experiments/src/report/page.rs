@@ -12,7 +12,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::figures::{Figure, Figures};
-use super::study::{ASKED, Choice, Drive, Study};
+use super::study::{ASKED, Choice, Counts, Drive, Study};
 use super::{Row, table};
 use crate::plot::colour::VIRIDIS;
 use budget::Shown;
@@ -84,7 +84,7 @@ impl Study {
             all => all.iter().map(u64::to_string).collect::<Vec<_>>().join(", "),
         };
         let n_episodes: usize = self.report.rows.iter().map(|row| row.n_episodes).sum();
-        let counted = |counts: &std::collections::BTreeMap<String, usize>| match counts.len() {
+        let counted = |counts: &Counts| match counts.len() {
             1 => counts.keys().next().cloned().unwrap_or_default(),
             _ => counts.iter().map(|(value, n)| format!("{value} ({n} runs)")).collect::<Vec<_>>().join(", "),
         };

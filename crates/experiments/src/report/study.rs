@@ -44,14 +44,17 @@ pub struct Study {
     /// One per row of the report.
     pub(super) places: Vec<Place>,
     /// Number of complete runs by [`RESULTS_VERSION`](crate::store::RESULTS_VERSION), and by code revision.
-    pub(super) versions: BTreeMap<String, usize>,
-    pub(super) revisions: BTreeMap<String, usize>,
+    pub(super) versions: Counts,
+    pub(super) revisions: Counts,
     /// The learning curves of the cells that trained.
     pub(super) curves: Vec<Curves>,
     pub(super) comparisons: Vec<Comparison>,
     /// One per row of the report.
     pub(super) driven: Vec<Driven>,
 }
+
+/// How many runs have each value.
+pub(super) type Counts = BTreeMap<String, usize>;
 
 /// A cell of the grid.
 #[derive(Debug)]
@@ -157,8 +160,8 @@ fn groups(index: &Index) -> Vec<Group> {
     index.cells.iter().map(group).collect()
 }
 
-fn provenance(root: &Path, report: &Report) -> Result<(BTreeMap<String, usize>, BTreeMap<String, usize>), Error> {
-    let (mut versions, mut revisions) = (BTreeMap::new(), BTreeMap::new());
+fn provenance(root: &Path, report: &Report) -> Result<(Counts, Counts), Error> {
+    let (mut versions, mut revisions) = (Counts::new(), Counts::new());
     for run in report.runs.iter().filter(|run| matches!(run.policy, Policy::At(_) | Policy::NotTrained)) {
         let info = RunFolder::new(root, &run.train_id).info()?;
         *versions.entry(info.results_version.to_string()).or_default() += 1;

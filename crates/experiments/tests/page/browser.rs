@@ -1,5 +1,6 @@
 //! The page in a browser without a window: Chromium, from the variable `CHROMIUM` or the path; skipped where there is none.
 
+use std::io::{self, Write};
 use std::path::PathBuf;
 
 use serde_json::{Value, json};
@@ -12,22 +13,24 @@ const PROBE: &str = include_str!("probe.js");
 /// The longest that a small page may take to load, ms: ten times what it takes, for machines with other things to do.
 const MAX_LOAD: f64 = 5000.0;
 
+/// The browser, if there is one; or says so.
 fn chromium() -> Option<PathBuf> {
     if let Some(path) = std::env::var_os("CHROMIUM").filter(|path| !path.is_empty()) {
         return Some(path.into());
     }
     let folders: Vec<PathBuf> = std::env::split_paths(&std::env::var_os("PATH")?).collect();
     let names = ["chromium", "chromium-browser", "google-chrome", "chrome"];
-    names.iter().flat_map(|name| folders.iter().map(move |folder| folder.join(name))).find(|path| path.is_file())
+    let mut paths = names.iter().flat_map(|name| folders.iter().map(move |folder| folder.join(name)));
+    let found = paths.find(|path| path.is_file());
+    if found.is_none() {
+        writeln!(io::stderr(), "skipped: there is no Chromium on the path; CHROMIUM names one").unwrap();
+    }
+    found
 }
 
 #[test]
 fn it_works_in_a_browser() {
-    let Some(chromium) = chromium() else {
-        // Said where `--nocapture` shows it; there is nothing to test with.
-        eprintln!("skipped: no Chromium; CHROMIUM names one");
-        return;
-    };
+    let Some(chromium) = chromium() else { return };
     let bench = Bench::get();
     bench.page("browser.html", &[]);
     let url = format!("file://{}", bench.path("browser.html").display());
@@ -53,10 +56,7 @@ fn it_works_in_a_browser() {
 
 #[test]
 fn a_broken_page_is_found_out() {
-    let Some(chromium) = chromium() else {
-        eprintln!("skipped: no Chromium; CHROMIUM names one");
-        return;
-    };
+    let Some(chromium) = chromium() else { return };
     let mut browser = Browser::start(&chromium);
     let page = "data:text/html,<script>console.error('told');nothing.here</script><img src='https://example.invalid/'>";
     browser.call("Page.navigate", json!({ "url": page }));

@@ -1,6 +1,6 @@
 //! Means with their intervals: a row per cell, a column per metric.
 
-use super::{BOLD, MUTED, close, open, palette, text_width};
+use super::{BOLD, MUTED, close, open, padded, palette, text_width};
 use crate::plot::scale::Scale;
 use crate::plot::svg::{Anchor, Frame, GRID, INK, Svg};
 
@@ -93,11 +93,7 @@ impl Column {
         let ends: Vec<_> = self.bars.iter().flatten().map(ends).collect();
         let low = ends.iter().map(|(low, _)| *low).fold(f64::INFINITY, f64::min);
         let high = ends.iter().map(|(_, high)| *high).fold(f64::NEG_INFINITY, f64::max);
-        match high - low {
-            span if span > 0.0 => [low - 0.05 * span, high + 0.05 * span],
-            span if span == 0.0 => [low - 0.5, high + 0.5],
-            _ => [0.0, 1.0],
-        }
+        padded(low, high)
     }
 }
 

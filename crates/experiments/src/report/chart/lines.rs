@@ -1,6 +1,6 @@
 //! Lines with bands, in one frame or in several beside each other.
 
-use super::{BOLD, axes, close, open, palette, text_width};
+use super::{BOLD, axes, close, open, padded, palette, text_width};
 use crate::plot::scale::Scale;
 use crate::plot::svg::{Anchor, Frame, INK, Svg};
 use crate::report::study::Point;
@@ -88,11 +88,7 @@ impl LineChart {
         let ends = |point: &Point| point.band.unwrap_or((point.y, point.y));
         let low = self.points().map(|point| ends(point).0).fold(f64::INFINITY, f64::min);
         let high = self.points().map(|point| ends(point).1).fold(f64::NEG_INFINITY, f64::max);
-        match high - low {
-            span if span > 0.0 => [low - 0.04 * span, high + 0.04 * span],
-            span if span == 0.0 => [low - 0.5, high + 0.5],
-            _ => [0.0, 1.0], // there is nothing
-        }
+        padded(low, high)
     }
 
     fn draw(&self, svg: &mut Svg, frame: Frame, facet: &Facet, keys: &[&str], x: [f64; 2], y: [f64; 2]) {

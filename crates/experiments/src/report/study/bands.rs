@@ -1,6 +1,6 @@
 //! Means over seeds with bands, as curves show them.
 
-use headway_stats::{Bootstrap, bootstrap};
+use headway_stats::{Bootstrap, Interval, bootstrap};
 
 /// Resamples behind each point of a band: it is drawn, not read off.
 pub(super) const N_RESAMPLES: usize = 2000;
@@ -29,6 +29,6 @@ pub(super) fn mean_with_band(x: f64, values: &[f64]) -> Option<Point> {
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let (y, n) = (mean(values), values.len());
     let is_enough = n >= MIN_UNITS;
-    let band = is_enough.then(|| bootstrap(values, mean, &resampling()).ok().map(|interval| interval.ends())).flatten();
+    let band = is_enough.then(|| bootstrap(values, mean, &resampling()).ok().map(Interval::ends)).flatten();
     (n > 0).then_some(Point { x, y, band, n })
 }
