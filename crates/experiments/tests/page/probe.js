@@ -13,7 +13,11 @@ const until = async (isSo) => {
 const seconds = () => Number.parseFloat(element("clock").textContent);
 const press = (key) => element("room").dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true, cancelable: true }));
 const isPainted = (canvas) => {
-  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  // A copy, since reading from the page's own would make them slow, and the browser would say so.
+  const copy = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height });
+  const context = copy.getContext("2d", { willReadFrequently: true });
+  context.drawImage(canvas, 0, 0);
+  const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
   return new Set(new Uint32Array(data.buffer)).size > 5;
 };
 async function use() {

@@ -122,7 +122,7 @@ impl LineChart {
         for (point, place) in line.points.iter().zip(points) {
             let band =
                 point.band.map_or_else(String::new, |(low, high)| format!(" ({} to {})", digits(low), digits(high)));
-            let tip = format!("{}: {}{band} at {}, n = {}", line.key, digits(point.y), digits(point.x), point.n);
+            let tip = format!("{}: {}{band} at {}, n = {}", line.key, digits(point.y), trimmed(point.x), point.n);
             open(svg, r#"class="mark""#, &tip);
             svg.circle(place, 8.0, r#"fill="transparent" stroke="none""#);
             svg.circle(place, 2.2, &format!(r#"fill="{}""#, palette::colour(k)));
@@ -141,6 +141,12 @@ fn n_columns(n: usize) -> usize {
 fn digits(value: f64) -> String {
     let decimals = if value == 0.0 { 0.0 } else { (2.0 - value.abs().log10().floor()).clamp(0.0, 4.0) } as usize;
     format!("{value:.decimals$}")
+}
+
+/// The same without idle zeros.
+fn trimmed(value: f64) -> String {
+    let text = digits(value);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
 /// Draws a sample of each line with its key, below the frames; where the picture ends.
@@ -191,8 +197,14 @@ mod tests {
     }
 
     #[test]
+    fn numbers_have_few_digits() {
+        assert_eq!([0.0, 0.05, 0.5, 12.345, 100_000.0].map(digits), ["0", "0.0500", "0.500", "12.3", "100000"]);
+        assert_eq!([0.0, 0.05, 0.5, 12.0, 100_000.0].map(trimmed), ["0", "0.05", "0.5", "12", "100000"]);
+    }
+
+    #[test]
     fn frames_fill_their_rows() {
-        assert_eq!([0, 1, 2, 3, 4, 5, 6, 8].map(n_columns), [1, 1, 2, 3, 2, 3, 3, 3]);
+        assert_eq!([0, 1, 2, 3, 4, 5, 6, 8].map(n_columns), [1, 1, 2, 3, 2, 3, 3, 2]);
     }
 
     #[test]

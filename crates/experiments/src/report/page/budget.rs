@@ -91,7 +91,7 @@ mod tests {
             (shown.drives.iter().map(|drive| drive.scenario).collect::<Vec<_>>(), shown.note().is_some())
         };
         assert_eq!(scenarios(10), (vec![5], true));
-        assert_eq!(scenarios(30), (vec![1, 3, 5], true));
-        assert_eq!(scenarios(50), (vec![1, 2, 3, 4, 5], false));
+        assert_eq!(scenarios(30), (vec![1, 5, 3], true));
+        assert_eq!(scenarios(50), (vec![1, 2, 5, 3, 4], false));
     }
 }

@@ -2,10 +2,9 @@
 
 use super::budget::Shown;
 use super::results::column_head;
-use super::said;
 use super::text::escaped;
 use crate::episode::Metric;
-use crate::report::study::Study;
+use crate::report::study::{Drive, Study};
 use crate::report::table::{UNDEFINED, number};
 use crate::report::{Policy, RunRow};
 
@@ -48,10 +47,12 @@ impl Study {
             Policy::Damaged => " damaged".to_owned(),
             Policy::Unfinished => " unfinished".to_owned(),
         };
-        let link = |(number, drive): (usize, &_)| format!("<a href=\"#drive-{number}\">{}</a>", escaped(&said(drive)));
+        let link = |(number, drive): (usize, &Drive)| {
+            format!("<a href=\"#drive-{number}\">{}, scenario {}</a>", drive.why, drive.scenario)
+        };
         let drives: Vec<String> = shown.of_run(row, run.seed).map(link).collect();
         format!(
-            "<tr><td class=\"n\">{}</td><td><a href=\"{folder}\"><code>{}</code></a>{state}</td>{values}<td>{}</td></tr>\n",
+            "<tr><td class=\"n\">{}</td><td><a href=\"{folder}\"><code>{}</code></a>{state}</td>{values}<td class=\"links\">{}</td></tr>\n",
             run.seed,
             run.train_id,
             drives.join("<br>")
