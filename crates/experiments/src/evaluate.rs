@@ -24,6 +24,8 @@ const CONE: f64 = PI / 6.0;
 #[derive(Debug)]
 pub struct ScenarioSet {
     seed: u64,
+    /// The number of the first of them.
+    first: usize,
     /// Each scenario with the length of its shortest way to the edge of the goal's disc, metres.
     scenarios: Vec<(Scenario, f64)>,
 }
@@ -48,8 +50,9 @@ impl ScenarioSet {
             let way = mdp.geodesic(&scenario.world, &start, &scenario.goal) - mdp.reach_radius();
             Ok((scenario, way.max(0.0)))
         };
+        let first = numbers.start;
         let scenarios = numbers.map(|number| make(number as u64)).collect::<Result<_, Error>>()?;
-        Ok(Self { seed, scenarios })
+        Ok(Self { seed, first, scenarios })
     }
 
     /// Adds the part that follows.
@@ -80,7 +83,7 @@ impl ScenarioSet {
         index: usize,
         mut watch: impl FnMut(&Navigator),
     ) -> Result<EpisodeRecord, Error> {
-        let (scenario, geodesic) = self.scenarios.get(index).ok_or_else(|| self.no_episode(index))?;
+        let (scenario, geodesic) = self.get(index).ok_or_else(|| self.no_episode(index))?;
         let mut vehicle = Navigator::in_scenario(Arc::clone(mdp), scenario.clone(), self.seed, index as u64)
             .map_err(Error::failure)?;
         let mut meter = EpisodeMeter::new(mdp.vehicle().spec().max_acceleration);
@@ -121,7 +124,7 @@ impl ScenarioSet {
     /// # Errors
     /// If the environment fails.
     pub fn drive_all(&self, mdp: &Arc<Mdp>, driver: &mut dyn Controller) -> Result<Vec<EpisodeRecord>, Error> {
-        (0..self.len()).map(|index| self.drive(mdp, driver, index, |_| ())).collect()
+        (self.first..self.first + self.len()).map(|index| self.drive(mdp, driver, index, |_| ())).collect()
     }
 
     /// One episode as a picture needs it.
@@ -135,14 +138,19 @@ impl ScenarioSet {
         index: usize,
         title: String,
     ) -> Result<Trajectory, Error> {
-        let Some((scenario, _)) = self.scenarios.get(index) else {
+        let Some((scenario, _)) = self.get(index) else {
             return Err(self.no_episode(index));
         };
         draw(mdp, scenario, title, |watch| Ok(self.drive(mdp, driver, index, watch)?.outcome))
     }
 
+    /// A scenario, by its number.
+    fn get(&self, index: usize) -> Option<&(Scenario, f64)> {
+        self.scenarios.get(index.checked_sub(self.first)?)
+    }
+
     fn no_episode(&self, index: usize) -> Error {
-        Error::Input(format!("there is no episode {index}: there are {}, counted from 0", self.len()))
+        Error::Input(format!("there is no episode {index}: there are {}, counted from {}", self.len(), self.first))
     }
 }
 

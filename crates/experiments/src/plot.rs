@@ -4,12 +4,12 @@
 //! Learning". The pictures are plain SVG without scripts or outside parts: any browser, Inkscape or `rsvg-convert` shows
 //! them.
 
-mod colour;
+pub(crate) mod colour;
 mod figure;
 mod room;
-mod scale;
+pub(crate) mod scale;
 mod speed;
-mod svg;
+pub(crate) mod svg;
 
 pub use figure::{figure, small_multiples};
 

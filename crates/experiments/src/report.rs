@@ -1,16 +1,22 @@
 //! What a results folder says: success, collisions, timeouts and speeds of every cell in every world, with intervals.
 
+mod chart;
 mod collapsed;
 mod csv;
+mod figures;
 mod json;
 pub(crate) mod layout;
 mod load;
+mod page;
 mod runs;
+mod study;
 mod table;
 
 pub use collapsed::{Collapsed, CollapsedSeed};
+pub use figures::Figure;
 pub use load::load;
 pub use runs::{Policy, RunRow};
+pub use study::{Choice, Drive, Form, Pick, Scene, Study, Trace, Trajectories};
 
 use headway_stats::{Confidence, Estimate, over_units, wilson};
 

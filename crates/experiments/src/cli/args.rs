@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::report::Pick;
 use crate::spec::Assignment;
 use crate::store::AxisLevel;
 
@@ -154,7 +155,13 @@ pub struct ListArgs {}
 Examples:
   experiments report results/quick
   experiments report results/quick --runs
-  experiments report results/table1 --format csv > table1.csv")]
+  experiments report results/table1 --format csv > table1.csv
+  experiments report results/table1 --format html
+  experiments report results/table1 --format html --out table1.html --drives 3 --drive '*/10x15/0/17'
+  experiments report results/table1 --format svg --out figures
+
+--format html writes one page that needs nothing beside it: tables, intervals, learning curves, and drives to play.
+--format svg writes the same charts, and the drives, as files. Both drive chosen episodes again: minutes for large grids.")]
 pub struct ReportArgs {
     /// The folder that `experiments run --out DIR` filled.
     #[arg(value_name = "DIR")]
@@ -165,6 +172,15 @@ pub struct ReportArgs {
     /// One line per run instead: its cell, seed, id, success in each world, and the path of its policy.
     #[arg(long, conflicts_with = "format")]
     pub runs: bool,
+    /// Where the page goes [default: DIR/report.html], or the folder of figures [default: DIR/figures].
+    #[arg(long, value_name = "PATH")]
+    pub out: Option<PathBuf>,
+    /// How many drives of each outcome the page or the figures show of each cell and world [default: 1].
+    #[arg(long, value_name = "N")]
+    pub drives: Option<NonZeroUsize>,
+    /// One more drive to show; may be repeated. CELL is its levels, joined by commas, or * for every cell.
+    #[arg(long, value_name = "CELL/WORLD/SEED/SCENARIO")]
+    pub drive: Vec<Pick>,
 }
 
 /// Arguments of `experiments watch`.
@@ -280,6 +296,10 @@ pub enum ReportFormat {
     Json,
     /// CSV, one line per cell and world.
     Csv,
+    /// A page for browsers, in a file.
+    Html,
+    /// Figures for papers, in a folder.
+    Svg,
 }
 
 /// A published way to measure.

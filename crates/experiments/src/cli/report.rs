@@ -1,31 +1,76 @@
 //! `experiments report`.
 
 use std::io::{self, Write};
+use std::path::Path;
 
 use super::args::{ReportArgs, ReportFormat};
 use super::print;
 use crate::error::Error;
-use crate::report;
+use crate::report::{self, Choice, Study, Trajectories};
 
-/// Prints the report on a results folder to `out`, or a list of its runs; with a format for machines, what a reader must know of it goes to
-/// stderr.
+/// Prints the report on a results folder to `out`, or a list of its runs, or writes it to files; with a format for machines,
+/// what a reader must know of it goes to stderr.
 ///
 /// # Errors
-/// [`Error::Input`] if the folder holds no results or a file in it is damaged, [`Error::Io`] if it cannot be read or `out`
-/// cannot be written to.
+/// [`Error::Input`] if the folder holds no results, a file in it is damaged or an option does not go with the format;
+/// [`Error::Io`] if the folder cannot be read, or `out` or a file cannot be written to.
 pub fn execute(args: &ReportArgs, out: &mut dyn Write) -> Result<(), Error> {
-    let report = report::load(&args.dir)?;
-    if args.runs {
-        return print(out, &report.runs_table());
-    }
-    match args.format {
-        ReportFormat::Table => return print(out, &report.table()), // ends with the notes
-        ReportFormat::Json => print(out, &report.json())?,
-        ReportFormat::Csv => print(out, &report.csv())?,
-    }
-    for note in report.notes() {
+    let notes = match args.format {
+        ReportFormat::Html => write_page(args, out)?,
+        ReportFormat::Svg => write_figures(args, out)?,
+        ReportFormat::Table | ReportFormat::Json | ReportFormat::Csv => print_report(args, out)?,
+    };
+    for note in notes {
         // Where even stderr is closed, nobody misses it.
         let _ = writeln!(io::stderr(), "{note}");
     }
     Ok(())
+}
+
+/// Prints text; the notes that are not in it.
+fn print_report(args: &ReportArgs, out: &mut dyn Write) -> Result<Vec<String>, Error> {
+    if args.out.is_some() || args.drives.is_some() || !args.drive.is_empty() {
+        return Err(Error::Input("--out, --drives and --drive go with --format html or svg".into()));
+    }
+    let report = report::load(&args.dir)?;
+    if args.runs {
+        print(out, &report.runs_table())?; // ends with the notes, as the table does
+        return Ok(Vec::new());
+    }
+    match args.format {
+        ReportFormat::Json => print(out, &report.json())?,
+        ReportFormat::Csv => print(out, &report.csv())?,
+        _ => {
+            print(out, &report.table())?;
+            return Ok(Vec::new());
+        }
+    }
+    Ok(report.notes())
+}
+
+fn write_page(args: &ReportArgs, out: &mut dyn Write) -> Result<Vec<String>, Error> {
+    let path = args.out.clone().unwrap_or_else(|| args.dir.join("report.html"));
+    let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        return Err(Error::Input(format!("--out {}: there is no folder `{}`", path.display(), folder.display())));
+    }
+    let study = Study::load(&args.dir, &choice(args), Trajectories::Dropped)?;
+    let page = study.html(folder);
+    std::fs::write(&path, &page).map_err(|error| Error::io("write", &path, error))?;
+    print(out, &format!("{} ({:.1} MB)\n", path.display(), page.len() as f64 / 1e6))?;
+    Ok(study.report.notes())
+}
+
+fn write_figures(args: &ReportArgs, out: &mut dyn Write) -> Result<Vec<String>, Error> {
+    let folder = args.out.clone().unwrap_or_else(|| args.dir.join("figures"));
+    let study = Study::load(&args.dir, &choice(args), Trajectories::Kept)?;
+    let paths = study.write_figures(&folder)?;
+    let lines: String = paths.iter().map(|path| format!("{}\n", path.display())).collect();
+    print(out, &lines)?;
+    Ok(study.report.notes())
+}
+
+fn choice(args: &ReportArgs) -> Choice {
+    let n_per_outcome = args.drives.unwrap_or(Choice::default().n_per_outcome);
+    Choice { n_per_outcome, asked: args.drive.clone() }
 }

@@ -5,7 +5,7 @@ use super::svg::{Anchor, Frame, INK, Svg};
 
 /// The colour map "viridis" (van der Walt & Smith, 2015) in eighths: even to the eye, also in grey and for the
 /// colour-blind.
-const VIRIDIS: [[u8; 3]; 9] = [
+pub(crate) const VIRIDIS: [[u8; 3]; 9] = [
     [0x44, 0x01, 0x54],
     [0x47, 0x2d, 0x7b],
     [0x3b, 0x52, 0x8b],

@@ -2,24 +2,24 @@
 
 /// A linear scale from a range of values to a range of pixels, which may run backwards.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Scale {
+pub(crate) struct Scale {
     values: [f64; 2],
     pixels: [f64; 2],
 }
 
 impl Scale {
     /// A scale that takes `values` to `pixels`; the values differ.
-    pub(super) fn new(values: [f64; 2], pixels: [f64; 2]) -> Self {
+    pub(crate) fn new(values: [f64; 2], pixels: [f64; 2]) -> Self {
         Self { values, pixels }
     }
 
-    pub(super) fn pixel(&self, value: f64) -> f64 {
+    pub(crate) fn pixel(&self, value: f64) -> f64 {
         let ([low, high], [from, to]) = (self.values, self.pixels);
         from + (value - low) / (high - low) * (to - from)
     }
 
     /// About `n` round values on the scale, with their labels.
-    pub(super) fn ticks(&self, n: usize) -> Vec<(f64, String)> {
+    pub(crate) fn ticks(&self, n: usize) -> Vec<(f64, String)> {
         let [low, high] = self.values;
         let step = round_step((high - low) / n as f64);
         let decimals = (-step.log10().floor()).max(0.0) as usize;
@@ -30,14 +30,14 @@ impl Scale {
 }
 
 /// The next of ..., 0.1, 0.2, 0.5, 1, 2, 5, 10, ... that is no smaller.
-pub(super) fn round_step(step: f64) -> f64 {
+pub(crate) fn round_step(step: f64) -> f64 {
     let power = 10_f64.powf(step.log10().floor());
     let factor = [1.0, 2.0, 5.0, 10.0].into_iter().find(|factor| factor * power >= step * (1.0 - 1e-9));
     factor.unwrap_or(10.0) * power
 }
 
 /// The upper end of an axis from zero to at least `value`, a little above it and a round number; 1 for zero.
-pub(super) fn round_top(value: f64) -> f64 {
+pub(crate) fn round_top(value: f64) -> f64 {
     if value <= 0.0 {
         return 1.0;
     }

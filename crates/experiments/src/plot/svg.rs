@@ -3,13 +3,13 @@
 use std::fmt::Write;
 
 /// The colour of text and axes.
-pub(super) const INK: &str = "#222222";
+pub(crate) const INK: &str = "#222222";
 /// The colour of grid lines.
-pub(super) const GRID: &str = "#e4e4e4";
+pub(crate) const GRID: &str = "#e4e4e4";
 
 /// Where a text stands relative to its position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Anchor {
+pub(crate) enum Anchor {
     Start,
     Middle,
     End,
@@ -17,61 +17,61 @@ pub(super) enum Anchor {
 
 /// A rectangle in pixels; `x`, `y` is its upper left corner.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Frame {
-    pub(super) x: f64,
-    pub(super) y: f64,
-    pub(super) width: f64,
-    pub(super) height: f64,
+pub(crate) struct Frame {
+    pub(crate) x: f64,
+    pub(crate) y: f64,
+    pub(crate) width: f64,
+    pub(crate) height: f64,
 }
 
 impl Frame {
-    pub(super) fn right(&self) -> f64 {
+    pub(crate) fn right(&self) -> f64 {
         self.x + self.width
     }
 
-    pub(super) fn bottom(&self) -> f64 {
+    pub(crate) fn bottom(&self) -> f64 {
         self.y + self.height
     }
 }
 
 /// The elements of a picture, in the order in which they cover each other.
 #[derive(Debug, Default)]
-pub(super) struct Svg {
+pub(crate) struct Svg {
     body: String,
 }
 
 impl Svg {
     /// Adds an element, or the start or end of one.
-    pub(super) fn raw(&mut self, element: &str) {
+    pub(crate) fn raw(&mut self, element: &str) {
         self.body.push_str(element);
         self.body.push('\n');
     }
 
     /// A straight line; `style` holds further attributes, as in all that follow.
-    pub(super) fn line(&mut self, from: [f64; 2], to: [f64; 2], style: &str) {
+    pub(crate) fn line(&mut self, from: [f64; 2], to: [f64; 2], style: &str) {
         let ([x1, y1], [x2, y2]) = (from.map(number), to.map(number));
         self.raw(&format!(r#"<line x1="{x1}" y1="{y1}" x2="{x2}" y2="{y2}" {style}/>"#));
     }
 
-    pub(super) fn rect(&mut self, frame: Frame, style: &str) {
+    pub(crate) fn rect(&mut self, frame: Frame, style: &str) {
         let [x, y, width, height] = [frame.x, frame.y, frame.width, frame.height].map(number);
         self.raw(&format!(r#"<rect x="{x}" y="{y}" width="{width}" height="{height}" {style}/>"#));
     }
 
-    pub(super) fn circle(&mut self, centre: [f64; 2], radius: f64, style: &str) {
+    pub(crate) fn circle(&mut self, centre: [f64; 2], radius: f64, style: &str) {
         let ([cx, cy], r) = (centre.map(number), number(radius));
         self.raw(&format!(r#"<circle cx="{cx}" cy="{cy}" r="{r}" {style}/>"#));
     }
 
-    pub(super) fn polygon(&mut self, points: &[[f64; 2]], style: &str) {
+    pub(crate) fn polygon(&mut self, points: &[[f64; 2]], style: &str) {
         self.raw(&format!(r#"<polygon points="{}" {style}/>"#, list(points)));
     }
 
-    pub(super) fn polyline(&mut self, points: &[[f64; 2]], style: &str) {
+    pub(crate) fn polyline(&mut self, points: &[[f64; 2]], style: &str) {
         self.raw(&format!(r#"<polyline points="{}" {style}/>"#, list(points)));
     }
 
-    pub(super) fn text(&mut self, [x, y]: [f64; 2], anchor: Anchor, style: &str, text: &str) {
+    pub(crate) fn text(&mut self, [x, y]: [f64; 2], anchor: Anchor, style: &str, text: &str) {
         let anchor = match anchor {
             Anchor::Start => "start",
             Anchor::Middle => "middle",
@@ -82,13 +82,13 @@ impl Svg {
     }
 
     /// A text that reads upwards, centred at a position.
-    pub(super) fn text_upwards(&mut self, [x, y]: [f64; 2], text: &str) {
+    pub(crate) fn text_upwards(&mut self, [x, y]: [f64; 2], text: &str) {
         let style = format!(r#"transform="rotate(-90 {} {})""#, number(x), number(y));
         self.text([x, y], Anchor::Middle, &style, text);
     }
 
     /// The whole document, on white.
-    pub(super) fn document(&self, width: f64, height: f64) -> String {
+    pub(crate) fn document(&self, width: f64, height: f64) -> String {
         let [width, height] = [width, height].map(number);
         format!(
             r#"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {width} {height}" font-family="Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif" font-size="12" fill="{INK}">
@@ -116,7 +116,7 @@ fn list(points: &[[f64; 2]]) -> String {
     })
 }
 
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 

@@ -21,7 +21,7 @@ const DISPENSABLE: [Metric; 5] = [
 /// What stands where there is no number.
 pub(super) const UNDEFINED: &str = "\u{2013}";
 
-const DEFINITIONS: &str = "mean speed: all distance / all time, failures included; near obstacles: clearance < 1 m; \
+pub(super) const DEFINITIONS: &str = "mean speed: all distance / all time, failures included; near obstacles: clearance < 1 m; \
                            needless: the way was clear";
 
 impl Report {
@@ -49,7 +49,7 @@ impl Report {
     }
 
     /// The metrics that the rows have: those of a shield only if one of them has it.
-    fn metrics(&self) -> Vec<Metric> {
+    pub(super) fn metrics(&self) -> Vec<Metric> {
         let is_there =
             |metric: &Metric| !metric.is_of_shield() || self.rows.iter().any(|row| row.estimate(*metric).n > 0);
         Metric::ALL.into_iter().filter(is_there).collect()
@@ -106,7 +106,7 @@ impl Report {
     }
 
     /// What the numbers of a row are.
-    fn meaning(&self) -> String {
+    pub(super) fn meaning(&self) -> String {
         let of_a_seed = |row: &Row| row.n_episodes.checked_div(row.n_seeds);
         let mut episodes = self.rows.iter().filter_map(of_a_seed);
         let first = episodes.next().filter(|n| episodes.all(|other| other == *n));
@@ -147,6 +147,12 @@ fn header(metric: Metric) -> [&'static str; N_HEADER] {
         Metric::Vetoes => ["shield's", "vetoes", "%"],
         Metric::Stops => ["shield's", "stops", "%"],
     }
+}
+
+/// The name of a metric, and its unit, in a line.
+pub(super) fn header_words(metric: Metric) -> (String, String) {
+    let [above, below, unit] = header(metric);
+    (format!("{above} {below}").replace("- ", "").trim().to_owned(), unit.to_owned())
 }
 
 fn mean_cell(row: &Row, metric: Metric) -> String {

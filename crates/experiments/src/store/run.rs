@@ -66,6 +66,11 @@ impl RunFolder {
         self.path.join(POLICY)
     }
 
+    /// The path of the training metrics.
+    pub fn metrics_path(&self) -> PathBuf {
+        self.path.join(METRICS)
+    }
+
     /// Whether the run has finished, and whether all that it left is still as it was written.
     ///
     /// # Errors

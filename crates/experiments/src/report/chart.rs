@@ -1,0 +1,93 @@
+//! Charts of a study as SVG: they stand alone as files, and a page that holds them recolours them for the dark.
+
+mod intervals;
+mod lines;
+mod palette;
+
+pub(super) use intervals::{Bar, Column, IntervalChart};
+pub(super) use lines::{Facet, Line, LineChart};
+
+use crate::plot::scale::Scale;
+use crate::plot::svg::{Anchor, Frame, GRID, INK, Svg};
+
+/// What is written small beside the axes.
+const MUTED: &str = "#6b7280";
+/// Attributes of titles.
+const BOLD: &str = r#"font-weight="bold""#;
+
+/// Draws the frame's axes: a grid with labelled round values on the left and below.
+fn axes(svg: &mut Svg, frame: Frame, x: &Scale, y: &Scale) {
+    let grid = format!(r#"stroke="{GRID}""#);
+    for (value, label) in x.ticks((frame.width / 70.0).max(2.0) as usize) {
+        let at = x.pixel(value);
+        svg.line([at, frame.y], [at, frame.bottom()], &grid);
+        svg.text([at, frame.bottom() + 16.0], Anchor::Middle, "", &short(value, &label));
+    }
+    for (value, label) in y.ticks((frame.height / 38.0).max(2.0) as usize) {
+        let at = y.pixel(value);
+        svg.line([frame.x, at], [frame.right(), at], &grid);
+        svg.text([frame.x - 7.0, at + 4.0], Anchor::End, "", &short(value, &label));
+    }
+    let style = format!(r#"stroke="{INK}" stroke-width="1.2""#);
+    svg.line([frame.x, frame.y], [frame.x, frame.bottom()], &style);
+    svg.line([frame.x, frame.bottom()], [frame.right(), frame.bottom()], &style);
+}
+
+/// A label, with thousands and millions as `k` and `M`.
+fn short(value: f64, label: &str) -> String {
+    let in_units = |unit: f64, name: &str| {
+        let text = format!("{:.1}", value / unit);
+        text.trim_end_matches('0').trim_end_matches('.').to_owned() + name
+    };
+    match value.abs() {
+        size if size >= 1e6 => in_units(1e6, "M"),
+        size if size >= 1e4 => in_units(1e3, "k"),
+        _ => label.to_owned(),
+    }
+}
+
+/// The ends of an axis that holds values from `low` to `high`, with a little room; from 0 to 1 where there are none.
+fn padded(low: f64, high: f64) -> [f64; 2] {
+    let span = high - low;
+    if span > 0.0 {
+        [low - 0.05 * span, high + 0.05 * span]
+    } else if low.is_finite() {
+        [low - 0.5, high + 0.5]
+    } else {
+        [0.0, 1.0]
+    }
+}
+
+/// The width of a text in the font of charts, roughly, pixels.
+fn text_width(text: &str) -> f64 {
+    6.9 * text.chars().count() as f64
+}
+
+/// Opens a group with attributes and, if there is one, a tip that browsers show beside it.
+fn open(svg: &mut Svg, attributes: &str, tip: &str) {
+    svg.raw(&format!("<g {attributes}>"));
+    if !tip.is_empty() {
+        svg.raw(&format!("<title>{}</title>", crate::plot::svg::escaped(tip)));
+    }
+}
+
+fn close(svg: &mut Svg) {
+    svg.raw("</g>");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn axes_have_an_extent() {
+        assert_eq!([padded(0.0, 2.0), padded(3.0, 3.0)], [[-0.1, 2.1], [2.5, 3.5]]);
+        assert_eq!(padded(f64::INFINITY, f64::NEG_INFINITY), [0.0, 1.0]);
+    }
+
+    #[test]
+    fn large_numbers_are_short() {
+        assert_eq!([100_000.0, 20_000.0, 1_500_000.0].map(|value| short(value, "")), ["100k", "20k", "1.5M"]);
+        assert_eq!([short(0.0, "0"), short(2000.0, "2000"), short(0.5, "0.5")], ["0", "2000", "0.5"]);
+    }
+}

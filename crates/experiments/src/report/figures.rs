@@ -1,0 +1,298 @@
+//! The figures of a study, as a page shows them and as files for papers.
+
+use std::path::{Path, PathBuf};
+
+use super::Row;
+use super::chart::{Bar, Column, Facet, IntervalChart, Line, LineChart};
+use super::study::{Aggregate, Comparison, Curves, N_CLEARANCE_EPISODES, Point, Study};
+use super::table::{header_words, number};
+use crate::Error;
+use crate::episode::{Metric, Quantity};
+use crate::plot;
+
+/// Most cells whose lines share a frame.
+const MAX_LINES: usize = 6;
+
+/// One figure of a study.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Figure {
+    /// Its name, and that of its file without the ending.
+    pub name: String,
+    /// What it is of.
+    pub title: String,
+    /// What its marks are.
+    pub caption: String,
+    /// The SVG, which stands alone.
+    pub svg: String,
+    /// Whether it takes the whole width of a page.
+    pub is_wide: bool,
+}
+
+/// The figures of a study by what they tell.
+#[derive(Debug)]
+pub(super) struct Figures {
+    pub(super) intervals: Vec<Figure>,
+    pub(super) comparison: Vec<Figure>,
+    pub(super) curves: Vec<Figure>,
+    pub(super) clearance: Vec<Figure>,
+}
+
+impl Study {
+    /// Writes every figure to a folder, which is made if need be: the intervals, comparisons, learning curves and speeds
+    /// over clearance, and, if the study was loaded with them, every drive. The paths of the files.
+    ///
+    /// # Errors
+    /// If a file cannot be written.
+    pub fn write_figures(&self, folder: &Path) -> Result<Vec<PathBuf>, Error> {
+        std::fs::create_dir_all(folder).map_err(|error| Error::io("create the folder", folder, error))?;
+        let Figures { intervals, comparison, curves, clearance } = self.figures();
+        let charts = [intervals, comparison, curves, clearance].concat();
+        let charts = charts.into_iter().map(|figure| (figure.name, figure.svg));
+        let drives = self.drives().filter_map(|drive| {
+            let Row { axes, world, .. } = &self.report.rows[drive.row];
+            let cell: Vec<&str> = axes.iter().map(|level| level.level.as_str()).collect();
+            let name = format!("drive-{}-{world}-{}-{}", cell.join("-"), drive.seed, drive.scenario);
+            Some((file_name(&name), plot::figure(drive.trajectory.as_ref()?)))
+        });
+        let mut paths = Vec::new();
+        for (name, svg) in charts.chain(drives) {
+            let path = free_path(folder, &name, &paths);
+            std::fs::write(&path, svg).map_err(|error| Error::io("write", &path, error))?;
+            paths.push(path);
+        }
+        Ok(paths)
+    }
+
+    /// All figures but those of drives.
+    pub(super) fn figures(&self) -> Figures {
+        Figures {
+            intervals: self.worlds().into_iter().map(|world| self.intervals(world)).collect(),
+            comparison: self.comparison(),
+            curves: self.curves.iter().map(|curves| self.learning_curve(curves)).collect(),
+            clearance: self.clearance(),
+        }
+    }
+
+    fn intervals(&self, world: &str) -> Figure {
+        let rows = self.rows_of(world);
+        let shown = [
+            Metric::Success,
+            Metric::Collision,
+            Metric::Timeout,
+            Metric::MeanSpeed,
+            Metric::SpeedNearObstacles,
+            Metric::Spl,
+        ];
+        let column = |metric: Metric| {
+            let (title, unit) = header_words(metric);
+            let bars = rows.iter().map(|row| self.bar(*row, metric)).collect();
+            let top = match metric.quantity() {
+                Quantity::Rate => Some(100.0),
+                Quantity::Score => Some(1.0),
+                Quantity::Speed | Quantity::PerMetre | Quantity::Jerk => None,
+            };
+            Column { title, unit: if unit.is_empty() { "share".into() } else { unit }, bars, top }
+        };
+        let chart = IntervalChart {
+            rows: rows.iter().map(|row| self.label(self.places[*row].cell)).collect(),
+            columns: shown.into_iter().map(column).collect(),
+        };
+        Figure {
+            name: file_name(&format!("intervals-{world}")),
+            title: format!("World {world}"),
+            caption:
+                "Large dots: mean over the training seeds; bars: its 95 % percentile bootstrap interval over the seeds \
+                      (from three seeds on); small dots: the seeds."
+                    .into(),
+            svg: chart.svg(),
+            is_wide: true,
+        }
+    }
+
+    fn bar(&self, row: usize, metric: Metric) -> Option<Bar> {
+        let (place, numbers) = (&self.places[row], &self.report.rows[row]);
+        let factor = if metric.quantity() == Quantity::Rate { 100.0 } else { 1.0 };
+        let mean = numbers.estimate(metric).mean?;
+        let runs = &self.report.runs[self.cells[place.cell].runs.clone()];
+        let units: Vec<f64> = runs.iter().filter_map(|run| metric.of(run.summaries[place.world].1.as_ref()?)).collect();
+        let interval = numbers.interval(metric);
+        let text = |value: f64| number(value, metric.quantity());
+        let ends = interval.map_or_else(String::new, |(low, high)| format!(" ({} to {})", text(low), text(high)));
+        let (name, unit) = header_words(metric);
+        Some(Bar {
+            mean: factor * mean,
+            interval: interval.map(|(low, high)| (factor * low, factor * high)),
+            tip: format!("{}: {name} {}{ends} {unit}, n = {}", self.label(place.cell), text(mean), units.len()),
+            units: units.into_iter().map(|unit| factor * unit).collect(),
+        })
+    }
+
+    fn comparison(&self) -> Vec<Figure> {
+        if self.cells.len() < 2 {
+            return Vec::new();
+        }
+        let profile = |comparison: &Comparison| {
+            let name = header_words(comparison.metric).0;
+            Figure {
+                name: format!("profile-{}", comparison.metric.name()),
+                title: format!("Performance profile: {name}"),
+                caption: format!(
+                    "The share of runs (a seed in a world) whose {name} is above the value below. Higher is better \
+                     everywhere; bands are pointwise 95 % bootstrap intervals, from three seeds on."
+                ),
+                ..of_lines(&LineChart {
+                    x_label: format!("{name}, \u{3c4}"),
+                    y_label: "share of runs above \u{3c4}".into(),
+                    y_range: Some([0.0, 1.0]),
+                    facets: self.facets(|cell| comparison.profiles[cell].clone()),
+                })
+            }
+        };
+        std::iter::once(self.aggregates()).chain(self.comparisons.iter().map(profile)).collect()
+    }
+
+    /// The interquartile means.
+    fn aggregates(&self) -> Figure {
+        let column = |comparison: &Comparison| {
+            let bar = |(cell, iqm): (usize, &Option<_>)| {
+                let Aggregate { value, band, n_runs } = (*iqm)?;
+                let ends = band.map_or_else(String::new, |(low, high)| format!(" ({low:.3} to {high:.3})"));
+                let tip = format!("{}: IQM {value:.3}{ends}, n = {n_runs} seeds", self.label(cell));
+                Some(Bar { mean: value, interval: band, units: Vec::new(), tip })
+            };
+            let title = format!("IQM of {}", header_words(comparison.metric).0);
+            Column {
+                title,
+                unit: "share".into(),
+                bars: comparison.iqm.iter().enumerate().map(bar).collect(),
+                top: Some(1.0),
+            }
+        };
+        let chart = IntervalChart {
+            rows: (0..self.cells.len()).map(|cell| self.label(cell)).collect(),
+            columns: self.comparisons.iter().map(column).collect(),
+        };
+        Figure {
+            name: "iqm".into(),
+            title: "Interquartile means over seeds and worlds".into(),
+            caption: "The mean of the middle half of all runs (a seed in a world), with its 95 % stratified bootstrap \
+                      interval, from three seeds on."
+                .into(),
+            svg: chart.svg(),
+            is_wide: true,
+        }
+    }
+
+    fn learning_curve(&self, curves: &Curves) -> Figure {
+        Figure {
+            name: format!("curve-{}", curves.quantity.name()),
+            title: curves.quantity.label().into(),
+            caption:
+                "In training, exploration included. Mean over the training seeds; bands: its 95 % percentile bootstrap \
+                      interval over the seeds, from three seeds on."
+                    .into(),
+            ..of_lines(&LineChart {
+                x_label: "env steps".into(),
+                y_label: curves.quantity.label().into(),
+                y_range: curves.quantity.range(),
+                facets: self.facets(|cell| curves.by_cell[cell].clone()),
+            })
+        }
+    }
+
+    fn clearance(&self) -> Vec<Figure> {
+        let figure = |name: String, title: String, facets: Vec<Facet>| Figure {
+            name,
+            title,
+            caption: format!(
+                "Distance over time at each clearance (from the footprint to what is nearest), in bins of 0.1 m, over the \
+                 first {N_CLEARANCE_EPISODES} scenarios of every seed, driven again; where at least half of the seeds spent a \
+                 second or more. Mean over the seeds; bands: 95 % percentile bootstrap over the seeds, from three on."
+            ),
+            ..of_lines(&LineChart {
+                x_label: "clearance (m)".into(),
+                y_label: "mean speed (m/s)".into(),
+                y_range: None,
+                facets,
+            })
+        };
+        let of = |world: &str| -> Vec<Facet> {
+            let rows = self.rows_of(world);
+            self.facets(|cell| {
+                let row = rows.iter().find(|row| self.places[**row].cell == cell);
+                row.map_or_else(Vec::new, |row| self.driven[*row].clearance.clone())
+            })
+        };
+        let worlds = self.worlds().into_iter().map(|world| (world, of(world)));
+        let worlds: Vec<_> = worlds.filter(|(_, facets)| facets.iter().any(|facet| !facet.is_empty())).collect();
+        if worlds.iter().all(|(_, facets)| facets.len() == 1) {
+            let facets: Vec<Facet> = worlds
+                .into_iter()
+                .flat_map(|(world, facets)| facets.into_iter().map(|facet| Facet { title: world.into(), ..facet }))
+                .collect();
+            return if facets.is_empty() {
+                Vec::new()
+            } else {
+                vec![figure("clearance".into(), "Speed against clearance".into(), facets)]
+            };
+        }
+        let one = |(world, facets)| figure(file_name(&format!("clearance-{world}")), format!("World {world}"), facets);
+        worlds.into_iter().map(one).collect()
+    }
+
+    /// The cells' lines in frames: one for all if they are few, or else one for each level of the first axis.
+    fn facets(&self, points: impl Fn(usize) -> Vec<Point>) -> Vec<Facet> {
+        let cells = 0..self.cells.len();
+        let first: Vec<&str> =
+            cells.clone().filter_map(|cell| Some(self.cells[cell].distinct.first()?.as_str())).collect();
+        if self.cells.len() <= MAX_LINES || first.len() < self.cells.len() || self.cells[0].distinct.len() < 2 {
+            let line = |cell| Line { key: self.label(cell), points: points(cell) };
+            return vec![Facet { title: String::new(), lines: cells.map(line).collect() }];
+        }
+        let mut facets: Vec<Facet> = Vec::new();
+        for (cell, title) in cells.zip(first) {
+            let line = Line { key: self.cells[cell].distinct[1..].join(" · "), points: points(cell) };
+            match facets.iter_mut().find(|facet| facet.title == title) {
+                Some(facet) => facet.lines.push(line),
+                None => facets.push(Facet { title: title.to_owned(), lines: vec![line] }),
+            }
+        }
+        facets
+    }
+}
+
+impl Facet {
+    fn is_empty(&self) -> bool {
+        self.lines.iter().all(|line| line.points.is_empty())
+    }
+}
+
+/// The path of a figure: names that differ in what files cannot have must not share one.
+fn free_path(folder: &Path, name: &str, taken: &[PathBuf]) -> PathBuf {
+    let numbered = (2..).map(|k| folder.join(format!("{name}-{k}.svg")));
+    let mut paths = std::iter::once(folder.join(format!("{name}.svg"))).chain(numbered);
+    paths.find(|path| !taken.contains(path)).expect("numbers do not end")
+}
+
+/// The picture of a figure of lines, without words.
+fn of_lines(chart: &LineChart) -> Figure {
+    let none = String::new;
+    Figure { name: none(), title: none(), caption: none(), svg: chart.svg(), is_wide: chart.facets.len() > 1 }
+}
+
+/// A name of a file: letters, digits, dots and dashes.
+fn file_name(name: &str) -> String {
+    name.chars().map(|c| if c.is_alphanumeric() || c == '.' || c == '_' { c } else { '-' }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_stay_in_their_folder() {
+        assert_eq!(file_name("drive-../a b-R=1"), "drive-..-a-b-R-1");
+        let first = free_path(Path::new("f"), "a", &[]);
+        assert_eq!(free_path(Path::new("f"), "a", &[first]), Path::new("f/a-2.svg"));
+    }
+}

@@ -1,0 +1,59 @@
+//! The table of results: every number leads to the runs behind it.
+
+use super::text::escaped;
+use crate::episode::Metric;
+use crate::report::study::Study;
+use crate::report::table::{UNDEFINED, header_words, number};
+
+impl Study {
+    /// The table, one row per cell and world.
+    pub(super) fn results(&self) -> String {
+        let metrics = self.report.metrics();
+        let axis =
+            |(k, axis): (usize, &String)| format!("<th scope=\"col\"{}>{}</th>", self.class_of_axis(k), escaped(axis));
+        let axes: String = self.report.axes.iter().enumerate().map(axis).collect();
+        let head: String = metrics.iter().map(|metric| column_head(*metric)).collect();
+        let rows: String = (0..self.report.rows.len()).map(|row| self.result(row, &metrics)).collect();
+        format!(
+            "<table class=\"results\"><thead><tr>{axes}<th scope=\"col\">world</th><th scope=\"col\" class=\"n\">seeds</th>\
+             {head}</tr></thead><tbody>{rows}</tbody></table>"
+        )
+    }
+
+    fn result(&self, row: usize, metrics: &[Metric]) -> String {
+        let numbers = &self.report.rows[row];
+        let levels = numbers.axes.iter().map(|level| level.level.as_str()).chain([numbers.world.as_str()]);
+        let name = |(k, name)| format!("<th scope=\"row\"{}>{}</th>", self.class_of_axis(k), escaped(name));
+        let names: String = levels.enumerate().map(name).collect();
+        let cells: String = metrics.iter().map(|metric| self.cell(row, *metric)).collect();
+        format!("<tr>{names}<td class=\"n\">{}</td>{cells}</tr>\n", numbers.n_seeds)
+    }
+
+    /// What tells a column that is the same in all rows, so that narrow windows can do without.
+    fn class_of_axis(&self, axis: usize) -> &'static str {
+        let mut levels = self.report.rows.iter().map(|row| row.axes.get(axis));
+        let first = levels.next().flatten();
+        if first.is_some() && levels.all(|level| level == first) { " class=\"same\"" } else { "" }
+    }
+
+    /// A number with its interval, which leads to its runs.
+    fn cell(&self, row: usize, metric: Metric) -> String {
+        let numbers = &self.report.rows[row];
+        let estimate = numbers.estimate(metric);
+        let text = |value| number(value, metric.quantity());
+        let Some(mean) = estimate.mean else { return format!("<td class=\"n\">{UNDEFINED}</td>") };
+        let few = if estimate.n < numbers.n_seeds { format!("<sup>{}</sup>", estimate.n) } else { String::new() };
+        let interval = numbers.interval(metric);
+        let interval = interval
+            .map_or_else(String::new, |(low, high)| format!("<small>{}\u{2013}{}</small>", text(low), text(high)));
+        let (name, mean) = (metric.name(), text(mean));
+        format!("<td class=\"n\"><a href=\"#runs-{row}\" data-metric=\"{name}\">{mean}{few}{interval}</a></td>")
+    }
+}
+
+/// The head of a metric's column, with its unit.
+pub(super) fn column_head(metric: Metric) -> String {
+    let (name, unit) = header_words(metric);
+    let unit = if unit.is_empty() { String::new() } else { format!("<small>{unit}</small>") };
+    format!("<th scope=\"col\" class=\"n\" data-metric=\"{}\">{name}{unit}</th>", metric.name())
+}

@@ -1,0 +1,103 @@
+//! Cells beside each other, over all seeds and worlds.
+
+use headway_stats::{
+    Bootstrap, Estimator, Interval, Profile, Scores, improvement_bootstrap, performance_profile, stratified_bootstrap,
+};
+
+use super::bands::{MIN_UNITS, Point, resampling};
+use crate::Error;
+use crate::episode::Metric;
+use crate::report::RunRow;
+
+/// Where profiles are evaluated.
+const N_TAUS: usize = 101;
+
+/// The metrics that cells are compared in: scores from 0 to 1 of which more is better.
+pub(crate) const COMPARED: [Metric; 2] = [Metric::Success, Metric::Spl];
+
+/// One metric, cell by cell; `None` for cells without a run of which it is known in every world.
+#[derive(Debug, Clone)]
+pub(crate) struct Comparison {
+    pub(crate) metric: Metric,
+    /// The interquartile mean over seeds and worlds, with its interval where there are three seeds.
+    pub(crate) iqm: Vec<Option<Aggregate>>,
+    /// The share of runs above each score.
+    pub(crate) profiles: Vec<Vec<Point>>,
+    /// Of the row's cell over the column's; `None` where their worlds or their number do not allow it.
+    pub(crate) improvement: Vec<Vec<Option<Interval>>>,
+}
+
+/// An aggregate over runs and worlds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Aggregate {
+    pub(crate) value: f64,
+    pub(crate) band: Option<(f64, f64)>,
+    pub(crate) n_runs: usize,
+}
+
+/// The scores of a cell with the names of its worlds.
+struct Arm<'a> {
+    worlds: Vec<&'a str>,
+    scores: Option<Scores>,
+}
+
+impl Comparison {
+    /// The comparison of cells, each given by its runs.
+    pub(super) fn new(metric: Metric, cells: &[&[RunRow]]) -> Result<Self, Error> {
+        let arms: Vec<Arm<'_>> = cells.iter().map(|runs| Arm::new(metric, runs)).collect();
+        let profiles = arms.iter().map(Arm::profile).collect::<Result<_, Error>>()?;
+        let mut improvement = vec![vec![None; arms.len()]; arms.len()];
+        for (i, x) in arms.iter().enumerate() {
+            for (j, y) in arms.iter().enumerate().skip(i + 1) {
+                let over = x.improvement(y)?;
+                improvement[i][j] = over;
+                // Pairs are counted once, ties by half: the other direction is what remains.
+                improvement[j][i] =
+                    over.map(|over| Interval { point: 1.0 - over.point, low: 1.0 - over.high, high: 1.0 - over.low });
+            }
+        }
+        Ok(Self { metric, iqm: arms.iter().map(Arm::iqm).collect(), profiles, improvement })
+    }
+}
+
+impl<'a> Arm<'a> {
+    fn new(metric: Metric, runs: &'a [RunRow]) -> Self {
+        let worlds =
+            runs.first().map_or_else(Vec::new, |run| run.summaries.iter().map(|(name, _)| &name[..]).collect());
+        let row = |run: &RunRow| run.summaries.iter().map(|(_, summary)| metric.of(summary.as_ref()?)).collect();
+        let rows: Vec<Vec<f64>> = runs.iter().filter_map(row).collect();
+        Self { worlds, scores: Scores::from_rows(&rows).ok() }
+    }
+
+    fn n_runs(&self) -> usize {
+        self.scores.as_ref().map_or(0, Scores::n_runs)
+    }
+
+    fn has_spread(&self) -> bool {
+        self.n_runs() >= MIN_UNITS
+    }
+
+    fn iqm(&self) -> Option<Aggregate> {
+        let interval = stratified_bootstrap(self.scores.as_ref()?, Estimator::Iqm, &Bootstrap::default());
+        let band = self.has_spread().then(|| interval.ends());
+        Some(Aggregate { value: interval.point, band, n_runs: self.n_runs() })
+    }
+
+    fn profile(&self) -> Result<Vec<Point>, Error> {
+        let Some(scores) = &self.scores else { return Ok(Vec::new()) };
+        let taus: Vec<f64> = (0..N_TAUS).map(|k| k as f64 / (N_TAUS - 1) as f64).collect();
+        let shares = performance_profile(scores, &taus, Profile::Runs, &resampling()).map_err(Error::failure)?;
+        let band = |share: &Interval| self.has_spread().then(|| share.ends());
+        let point =
+            |(tau, share): (f64, &Interval)| Point { x: tau, y: share.point, band: band(share), n: self.n_runs() };
+        Ok(taus.into_iter().zip(&shares).map(point).collect())
+    }
+
+    fn improvement(&self, other: &Self) -> Result<Option<Interval>, Error> {
+        let (Some(x), Some(y)) = (&self.scores, &other.scores) else { return Ok(None) };
+        if self.worlds != other.worlds || !self.has_spread() || !other.has_spread() {
+            return Ok(None);
+        }
+        improvement_bootstrap(x, y, &resampling()).map(Some).map_err(Error::failure)
+    }
+}

@@ -1,0 +1,68 @@
+//! The page in a browser without a window: Chromium, from the variable `CHROMIUM` or the path; skipped where there is none.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+use serde_json::{Value, json};
+
+use super::Bench;
+use super::devtools::Browser;
+
+/// Uses the page and notes what came of it.
+const PROBE: &str = include_str!("probe.js");
+/// The longest that a small page may take to load, ms: ten times what it takes, for machines with other things to do.
+const MAX_LOAD: f64 = 5000.0;
+
+/// The browser, if there is one; or says so.
+fn chromium() -> Option<PathBuf> {
+    if let Some(path) = std::env::var_os("CHROMIUM").filter(|path| !path.is_empty()) {
+        return Some(path.into());
+    }
+    let folders: Vec<PathBuf> = std::env::split_paths(&std::env::var_os("PATH")?).collect();
+    let names = ["chromium", "chromium-browser", "google-chrome", "chrome"];
+    let mut paths = names.iter().flat_map(|name| folders.iter().map(move |folder| folder.join(name)));
+    let found = paths.find(|path| path.is_file());
+    if found.is_none() {
+        // Where even stderr is closed, nobody misses it.
+        let _ = writeln!(io::stderr(), "skipped: there is no Chromium on the path; CHROMIUM names one");
+    }
+    found
+}
+
+#[test]
+fn it_works_in_a_browser() {
+    let Some(chromium) = chromium() else { return };
+    let bench = Bench::get();
+    bench.page("browser.html", &[]);
+    let url = format!("file://{}", bench.path("browser.html").display());
+    for (width, height, scheme) in [(1280, 900, "light"), (390, 844, "dark")] {
+        let mut browser = Browser::start(&chromium);
+        let is_phone = width < 500;
+        let metrics = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": is_phone });
+        browser.call("Emulation.setDeviceMetricsOverride", metrics);
+        let scheme = json!({ "features": [{ "name": "prefers-color-scheme", "value": scheme }] });
+        browser.call("Emulation.setEmulatedMedia", scheme);
+        browser.call("Page.addScriptToEvaluateOnNewDocument", json!({ "source": PROBE }));
+        browser.call("Page.navigate", json!({ "url": url }));
+        // The page of before may still be there when it is first asked.
+        let found = browser.wait_for(
+            "new Promise((tell) => { const ask = () => globalThis.probe?.drives ? probe.result.then(tell) : setTimeout(ask, 50); ask(); })",
+        );
+        assert_eq!(found["failed"], json!([]), "{width} pixels");
+        assert_eq!(browser.complaints, [] as [String; 0], "{width} pixels");
+        assert!(found["drives"].as_u64().is_some_and(|n| n >= 6), "{found}");
+        assert!(found["loaded"].as_f64().is_some_and(|loaded: f64| loaded < MAX_LOAD), "{width} pixels: {found}");
+    }
+}
+
+#[test]
+fn a_broken_page_is_found_out() {
+    let Some(chromium) = chromium() else { return };
+    let mut browser = Browser::start(&chromium);
+    let page = "data:text/html,<script>console.error('told');nothing.here</script><img src='https://example.invalid/'>";
+    browser.call("Page.navigate", json!({ "url": page }));
+    let ready = "new Promise((tell) => { const ask = () => document.readyState === 'complete' && location.protocol === 'data:' ? tell(true) : setTimeout(ask, 50); ask(); })";
+    assert_eq!(browser.wait_for(ready), Value::Bool(true));
+    let said = browser.complaints.join("\n");
+    assert!(said.contains("told") && said.contains("nothing is not defined"), "{said}");
+}

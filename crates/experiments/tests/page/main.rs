@@ -1,0 +1,194 @@
+//! The page that `report --format html` writes, from runs of a small grid: it needs nothing beside it, says what the
+//! report says, and works in a browser.
+
+mod browser;
+mod devtools;
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::{Command, Output};
+use std::sync::OnceLock;
+
+use serde_json::Value;
+
+/// Three cells in two worlds, of names that are markup where they are not escaped; a classical driver among them.
+const SPEC: &str = r#"
+name = "small"
+seeds = { first = 0, count = 3 }
+[train]
+n_steps = 3_000
+log_every = 1_000
+[evaluate]
+n_episodes = 12
+worlds = [
+    { name = "room </script><script>alert(1)</script>", time_limit = 20.0, world = { type = "room_10x15" } },
+    { name = "crowd & \"co\"", time_limit = 20.0, world = { type = "room", obstacles = { count = 6 }, crowd = { n_movers = 4, speed = [0.3, 0.8], motion = { type = "waypoints", n_points = 4 } } } },
+]
+[[axis]]
+name = "<i>who</i>"
+[axis.levels]
+"DQN <b>" = { "agent.target" = "dqn" }
+"DDQN 'x'" = { "agent.target" = "double_dqn" }
+"VFH" = { "policy.type" = "vfh" }
+"#;
+
+struct Bench {
+    folder: tempfile::TempDir,
+}
+
+impl Bench {
+    /// The runs, made once for all tests.
+    fn get() -> &'static Self {
+        static BENCH: OnceLock<Bench> = OnceLock::new();
+        BENCH.get_or_init(|| {
+            let bench = Self { folder: tempfile::tempdir().unwrap() };
+            fs::write(bench.path("spec.toml"), SPEC).unwrap();
+            bench.succeed(&["run", "spec.toml", "--out", "out"]);
+            bench
+        })
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn experiments(&self, args: &[&str]) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_experiments")).current_dir(self.folder.path()).args(args).output().unwrap()
+    }
+
+    fn succeed(&self, args: &[&str]) -> String {
+        let output = self.experiments(args);
+        assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    }
+
+    fn fail(&self, args: &[&str]) -> String {
+        let output = self.experiments(args);
+        assert_eq!(output.status.code(), Some(2), "{args:?}");
+        String::from_utf8(output.stderr).unwrap()
+    }
+
+    /// The page, written to a file of that name.
+    fn page(&self, name: &str, more: &[&str]) -> String {
+        self.succeed(&[&["report", "out", "--format", "html", "--out", name], more].concat());
+        fs::read_to_string(self.path(name)).unwrap()
+    }
+}
+
+/// What the page's scripts are given.
+fn data(page: &str) -> Value {
+    let (_, rest) = page.split_once(r#"<script type="application/json" id="data">"#).unwrap();
+    serde_json::from_str(rest.split_once("</script>").unwrap().0).unwrap()
+}
+
+#[test]
+fn it_says_what_the_report_says() {
+    let bench = Bench::get();
+    let page = bench.page("numbers.html", &[]);
+    let rows: Value = serde_json::from_str(&bench.succeed(&["report", "out", "--format", "json"])).unwrap();
+    assert_eq!(data(&page)["rows"], rows);
+    // Every row has its runs, and every seed its folder, as seen from the page.
+    assert_eq!(page.matches("<details id=\"runs-").count(), 6);
+    for run in fs::read_dir(bench.path("out/runs")).unwrap() {
+        let id = run.unwrap().file_name().into_string().unwrap();
+        assert!(page.contains(&format!("href=\"out/runs/{id}/\"")), "{id}");
+    }
+    assert!(!page.contains("otherwise than recorded: by"), "episodes driven again are those recorded");
+}
+
+#[test]
+fn it_needs_nothing_beside_it() {
+    let page = Bench::get().page("alone.html", &[]);
+    let rest = page.replace("http://www.w3.org/2000/svg", "");
+    for outside in ["http:", "https:", "src=", "@import", "url(", "<link rel=\"stylesheet"] {
+        assert!(!rest.contains(outside), "{outside}");
+    }
+    assert!(page.contains("default-src 'none'"), "and the browser would not fetch it");
+    assert!(page.len() < 2_000_000, "{} bytes", page.len());
+}
+
+#[test]
+fn names_stay_text() {
+    let page = Bench::get().page("names.html", &[]);
+    let (markup, json) = page.split_once("id=\"data\">").unwrap();
+    for name in ["<script>alert", "<b>", "<i>who", "& \"co\""] {
+        // The only bold texts of the page are its own, of numbers.
+        let found = markup
+            .match_indices(name)
+            .find(|(at, _)| !markup[at + name.len()..].starts_with(|c: char| c.is_ascii_digit()));
+        assert_eq!(found, None, "{name}");
+    }
+    assert!(markup.contains("DQN &lt;b&gt;") && markup.contains("room &lt;/script&gt;"));
+    assert_eq!(json.matches("</script>").count(), 2, "the ends of the data and of the scripts");
+    assert_eq!(data(&page)["rows"][0]["axes"]["<i>who</i>"], "DQN <b>");
+}
+
+#[test]
+fn drives_are_chosen_by_rule_or_by_name() {
+    let bench = Bench::get();
+    let count = |page: &str| data(page)["drives"].as_array().unwrap().len();
+    let one = bench.page("one.html", &[]);
+    let two = bench.page("two.html", &["--drives", "2"]);
+    assert!((6..=18).contains(&count(&one)) && count(&two) > count(&one), "{} and {}", count(&one), count(&two));
+    let pick = r#"*/crowd & "co"/1/7"#;
+    let asked = bench.page("asked.html", &["--drive", pick]);
+    let asked = data(&asked);
+    let asked: Vec<_> =
+        asked["drives"].as_array().unwrap().iter().filter(|drive| drive["why"] == "asked for").collect();
+    assert_eq!(asked.len(), 2, "one of each cell that has the seed");
+    assert!(asked.iter().all(|drive| drive["seed"] == 1 && drive["scenario"] == 7 && drive["is_as_recorded"] == true));
+    assert!(asked.iter().all(|drive| drive["trace"]["n_movers"] == 4));
+    for (pick, said) in [
+        ("VGH/w/0/0", "no cell `VGH`"),
+        ("VFH/w/0/0", "no world `w`"),
+        (r#"VFH/crowd & "co"/9/0"#, "no seed 9"),
+        (r#"VFH/crowd & "co"/0/12"#, "no scenario 12"),
+        ("VFH/0/0", "write CELL/WORLD/SEED/SCENARIO"),
+    ] {
+        let error = bench.fail(&["report", "out", "--format", "html", "--out", "no.html", "--drive", pick]);
+        assert!(error.contains(said), "{pick}: {error}");
+    }
+    assert!(bench.fail(&["report", "out", "--drives", "2"]).contains("go with --format html or svg"));
+    assert!(
+        bench.fail(&["report", "out", "--format", "html", "--out", "no/p.html"]).contains("there is no folder `no`")
+    );
+    assert!(!bench.path("no.html").exists());
+}
+
+#[test]
+fn figures_are_files() {
+    let bench = Bench::get();
+    let listed = bench.succeed(&["report", "out", "--format", "svg", "--out", "figures"]);
+    assert_eq!(fs::read_dir(bench.path("figures")).unwrap().count(), listed.lines().count());
+    for start in ["intervals-", "iqm", "profile-success", "curve-reached", "clearance", "drive-"] {
+        let path = listed.lines().find(|line| line.starts_with(&format!("figures/{start}"))).expect(start);
+        let svg = fs::read_to_string(bench.path(path)).unwrap();
+        assert!(svg.starts_with("<svg xmlns=") && svg.ends_with("</svg>\n") && !svg.contains("NaN"), "{path}");
+    }
+}
+
+#[test]
+fn what_is_unfinished_or_otherwise_is_said() {
+    let bench = Bench::get();
+    let copied = Command::new("cp").args(["-r", "out", "changed"]).current_dir(bench.folder.path()).status().unwrap();
+    assert!(copied.success());
+    let index: Value = serde_json::from_str(&fs::read_to_string(bench.path("changed/index.json")).unwrap()).unwrap();
+    let run = |cell: usize, seed: usize| {
+        bench.path("changed/runs").join(index["cells"][cell]["runs"][seed]["train_id"].as_str().unwrap())
+    };
+    fs::remove_file(run(0, 2).join("done")).unwrap();
+    // Two runs change their policies, and what vouches for them.
+    let of_policy = |line: &&str| line.ends_with("policy.safetensors");
+    let dones = [0, 1].map(|seed| fs::read_to_string(run(1, seed).join("done")).unwrap());
+    let policies = [0, 1].map(|seed| fs::read(run(1, seed).join("policy.safetensors")).unwrap());
+    for (seed, other) in [(0, 1), (1, 0)] {
+        let [own, its] = [seed, other].map(|k: usize| dones[k].lines().find(of_policy).unwrap());
+        fs::write(run(1, seed).join("done"), dones[seed].replace(own, its)).unwrap();
+        fs::write(run(1, seed).join("policy.safetensors"), &policies[other]).unwrap();
+    }
+    bench.succeed(&["report", "changed", "--format", "html"]);
+    let page = fs::read_to_string(bench.path("changed/report.html")).unwrap();
+    assert!(page.contains("unfinished: 6 of 7 runs are complete"), "VFH has one run");
+    assert!(page.contains("went otherwise than recorded: by other code"));
+    assert!(page.contains("href=\"./runs/"), "links lead on from the results folder");
+}

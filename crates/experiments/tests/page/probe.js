@@ -1,0 +1,80 @@
+// Uses the page as a reader would. What came of it is `probe.result`: the checks that failed, the number of drives, and when
+// the page had loaded, in milliseconds.
+globalThis.probe = { drives: 0 };
+const failed = [];
+const element = (id) => document.getElementById(id);
+const check = (name, isTrue) => { if (!isTrue) failed.push(name); };
+const wait = (milliseconds) => new Promise((resolve) => setTimeout(resolve, milliseconds));
+// Until something is so, ten seconds at most: how often a page without a window is painted is not known.
+const until = async (isSo) => {
+  for (let k = 0; k < 200 && !isSo(); k++) await wait(50);
+  return isSo();
+};
+const seconds = () => Number.parseFloat(element("clock").textContent);
+const press = (key) => element("room").dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true, cancelable: true }));
+const isPainted = (canvas) => {
+  // A copy, since reading from the page's own would make them slow, and the browser would say so.
+  const copy = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height });
+  const context = copy.getContext("2d", { willReadFrequently: true });
+  context.drawImage(canvas, 0, 0);
+  const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
+  return new Set(new Uint32Array(data.buffer)).size > 5;
+};
+async function use() {
+  check("the page gets ready", document.documentElement.dataset.ready === "yes");
+  check("it shows a drive", probe.drives > 0 && document.querySelector("#drive-figure svg"));
+  for (const id of ["room", "strip", "action"]) check(`the ${id} is painted`, isPainted(element(id)));
+  check("it starts at the start", seconds() === 0);
+  element("play").click();
+  check("it says that it plays", element("play").textContent === "Pause");
+  check("it plays", await until(() => seconds() > 0.3 && Number(element("time").value) > 0));
+  element("play").click();
+  const paused = seconds();
+  await wait(200);
+  check("it pauses", seconds() === paused);
+  press("Home");
+  check("Home goes to the start", seconds() === 0);
+  press("ArrowRight");
+  check("an arrow goes a step", seconds() > 0 && seconds() <= 1);
+  const rays = element("rays").checked;
+  press("l");
+  check("L switches the lidar", element("rays").checked !== rays);
+  element("time").value = element("time").max;
+  element("time").dispatchEvent(new Event("input"));
+  check("the slider goes to the end", element("clock").textContent.match(/^([\d.]+) \/ \1 s$/));
+  const end = seconds();
+  element("rate").value = "8";
+  press(" ");
+  check("it plays again from the start", await until(() => seconds() > 0 && seconds() < end));
+  press(" ");
+  for (let number = 1; number < probe.drives; number++) {
+    element("next").click();
+    check(`drive ${number} is shown`, element("drive").value === String(number) && isPainted(element("room")));
+  }
+  const number = document.querySelector(".results a");
+  number.click();
+  await wait(100);
+  const runs = document.querySelector(number.getAttribute("href"));
+  check("a number leads to its runs", runs.open && runs.querySelectorAll("td.marked").length > 0);
+  const drive = document.querySelector('#runs a[href^="#drive-"]');
+  drive.click();
+  await wait(100);
+  check("a run leads to its drive", `#drive-${element("drive").value}` === drive.hash);
+  const key = document.querySelector(".chart .key");
+  if (key) {
+    key.dispatchEvent(new MouseEvent("click", { bubbles: true }));
+    const line = key.closest("svg").querySelector(`.series[data-key="${key.dataset.key}"]`);
+    check("a key hides its line", getComputedStyle(line).display === "none");
+  }
+  const wide = [...document.querySelectorAll("body *")].filter((e) => !e.closest(".scroll, nav, .skip"));
+  const beyond = wide.find((e) => e.getBoundingClientRect().right > document.documentElement.clientWidth + 1);
+  check(`nothing is wider than the window: ${beyond?.outerHTML.slice(0, 80)}`, !beyond);
+}
+probe.result = new Promise((tell) => {
+  window.addEventListener("load", async () => {
+    const loaded = performance.now();
+    probe.drives = element("drive")?.options.length;
+    try { await use(); } catch (error) { failed.push(error.stack); }
+    tell({ failed, loaded, drives: probe.drives });
+  });
+});
