@@ -13,8 +13,11 @@ const SHORTEST: f64 = 1e-5;
 /// The thinnest obstacle, metres.
 const THINNEST: f64 = 1e-6;
 
-/// The convex obstacle around points: their hull, but for corners that hardly turn, which are smoothed outwards; none
-/// around what is thinner than a micrometre.
+/// By how much smoothing may let a polygon reach beyond the rectangle around it.
+const REACH: f64 = 1.1;
+
+/// The convex obstacle around points: their hull, but for corners that hardly turn, which are smoothed outwards, or the
+/// rectangle around it where that would draw a sliver out; none around what is thinner than a micrometre.
 pub(super) fn around(points: Vec<Point>) -> Option<Obstacle> {
     let hull = hull(points);
     if hull.len() < 3 {
@@ -25,7 +28,8 @@ pub(super) fn around(points: Vec<Point>) -> Option<Obstacle> {
     let corners = smoothed(hull.iter().map(|p| p - center).collect());
     let shape = Shape::Polygon { vertices: corners.iter().map(|p| [p.x, p.y]).collect() };
     let polygon = Obstacle { shape, x: center.x, y: center.y, yaw: 0.0 };
-    Some(if polygon.shape.check().is_ok() { polygon } else { bounds })
+    let is_compact = polygon.shape.circumradius() <= REACH * bounds.shape.circumradius();
+    Some(if is_compact && polygon.shape.check().is_ok() { polygon } else { bounds })
 }
 
 /// The convex hull, counter-clockwise, without corners that do not turn (Andrew 1979).
@@ -114,6 +118,14 @@ mod tests {
         assert!(around(vec![]).is_none());
         assert!(around(vec![Point::new(1.0, 2.0); 5]).is_none());
         assert!(around((0..9).map(|k| Point::new(f64::from(k), f64::from(k))).collect()).is_none());
+    }
+
+    /// Its smoothed corners lay metres beyond the hull.
+    #[test]
+    fn a_sliver_is_not_drawn_out() {
+        let sliver = [(0.0, -0.01205), (0.0, 0.0064), (4.625, 0.00172), (-4.428, -0.01278)];
+        let obstacle = around(sliver.map(|(x, y)| Point::new(x, y)).to_vec()).unwrap();
+        assert!(obstacle.shape.circumradius() < 4.6, "{obstacle:?}");
     }
 
     proptest! {
