@@ -325,7 +325,7 @@ fn collapsed_seeds_are_named() {
     let times_out = |episode| EpisodeRecord { outcome: Outcome::Timeout, duration: 4.0, distance: 2.0, ..episode };
     run_with(&store, 1, skill(1, 3), &RunInfo::new(3, 1), &[], times_out);
     let report = fixture.report();
-    let line = "R DDQN: 2 of 4 seeds collapsed: seed 2 spins, has one action; seed 3 times out";
+    let line = "R DDQN: 2 of 4 seeds collapsed: spins (seed 2), has one action (seed 2), times out (seed 3)";
     let table = report.table();
     assert_eq!(table.lines().filter(|found| found.contains("collapsed")).collect::<Vec<_>>(), [line]);
     let rows: Vec<Value> = serde_json::from_str(&report.json()).unwrap();

@@ -33,18 +33,31 @@ impl Collapsed {
         }
     }
 
-    /// For example `2 of 5 seeds collapsed: seed 0 spins, makes no progress; seed 3 times out`; nothing if none did.
+    /// For example `3 of 5 seeds collapsed: makes no progress (seeds 0, 2), times out (seeds 0 to 2)`; nothing if none did.
     pub fn text(&self) -> Option<String> {
-        if self.seeds.is_empty() {
-            return None;
+        let mut kinds: Vec<(&str, Vec<u64>)> = Vec::new();
+        for (seed, how) in self.seeds.iter().flat_map(|of| of.how.iter().map(|how| (of.seed, how.short()))) {
+            match kinds.iter_mut().find(|(kind, _)| *kind == how) {
+                Some((_, seeds)) => seeds.push(seed),
+                None => kinds.push((how, vec![seed])),
+            }
         }
-        let seed = |CollapsedSeed { seed, how }: &CollapsedSeed| {
-            let how: Vec<_> = how.iter().map(Collapse::short).collect();
-            format!("seed {seed} {}", how.join(", "))
-        };
-        let seeds: Vec<String> = self.seeds.iter().map(seed).collect();
-        Some(format!("{} of {} seeds collapsed: {}", seeds.len(), self.n_trained, seeds.join("; ")))
+        let kinds: Vec<String> = kinds.iter().map(|(kind, seeds)| format!("{kind} ({})", listed(seeds))).collect();
+        (!kinds.is_empty())
+            .then(|| format!("{} of {} seeds collapsed: {}", self.seeds.len(), self.n_trained, kinds.join(", ")))
     }
+}
+
+/// Seeds in ascending order, three or more in a row as `a to b`.
+fn listed(seeds: &[u64]) -> String {
+    let runs: Vec<String> = seeds
+        .chunk_by(|a, b| a + 1 == *b)
+        .flat_map(|run| match run {
+            [first, _, .., last] => vec![format!("{first} to {last}")],
+            few => few.iter().map(u64::to_string).collect(),
+        })
+        .collect();
+    format!("seed{} {}", if seeds.len() == 1 { "" } else { "s" }, runs.join(", "))
 }
 
 impl Serialize for Collapsed {
@@ -104,12 +117,18 @@ mod tests {
     }
 
     #[test]
+    fn seeds_in_a_row_are_a_range() {
+        assert_eq!(listed(&[0, 2, 3, 4, 7, 8]), "seeds 0, 2 to 4, 7, 8");
+        assert_eq!(listed(&[5]), "seed 5");
+    }
+
+    #[test]
     fn how_many_and_which() {
         let how = vec![Collapse::Spinning { share: 0.8 }, Collapse::OneAction { entropy: 0.0 }];
         let other = vec![Collapse::TimesOut { timeouts: 1.0, mean_speed: 0.0 }];
         let seeds = vec![CollapsedSeed { seed: 0, how }, CollapsedSeed { seed: 3, how: other }];
         let collapsed = Collapsed { n_trained: 5, seeds };
-        let text = "2 of 5 seeds collapsed: seed 0 spins, has one action; seed 3 times out";
+        let text = "2 of 5 seeds collapsed: spins (seed 0), has one action (seed 0), times out (seed 3)";
         assert_eq!(collapsed.text().unwrap(), text);
         assert_eq!(Collapsed { n_trained: 5, seeds: Vec::new() }.text(), None);
     }
