@@ -205,11 +205,11 @@ fn all_cells_as_json() {
     assert_eq!(output.status.code(), Some(3));
     let entries: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     let entries = entries.as_array().unwrap();
-    assert_eq!(entries.len(), 8, "DQN and DDQN are paid alike");
+    assert_eq!(entries.len(), 12, "DQN and DDQN are paid alike");
     assert_eq!(entries[0]["cells"], "reading=P reward=R");
     assert_eq!(entries[0]["passes"], false);
     assert!((entries[0]["drivers"][0]["return"].as_f64().unwrap() - 200.0).abs() < 1e-9);
-    assert_eq!(entries[7]["passes"], true);
+    assert_eq!(entries[11]["passes"], true);
 }
 
 #[test]
