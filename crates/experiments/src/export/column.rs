@@ -161,13 +161,17 @@ pub(super) fn parquet(name: &str, columns: &[Column]) -> Result<Vec<u8>> {
 
 #[cfg(test)]
 mod tests {
+    use std::io::Write;
+
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::record::Field;
 
     use super::*;
 
     fn rows(file: Vec<u8>) -> Vec<Vec<Field>> {
-        let reader = SerializedFileReader::new(bytes::Bytes::from(file)).unwrap();
+        let mut stored = tempfile::tempfile().unwrap();
+        stored.write_all(&file).unwrap();
+        let reader = SerializedFileReader::new(stored).unwrap();
         let rows = reader.get_row_iter(None).unwrap();
         rows.map(|row| row.unwrap().into_columns().into_iter().map(|(_, field)| field).collect()).collect()
     }

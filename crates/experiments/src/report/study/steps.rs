@@ -67,7 +67,7 @@ pub struct ControlStep {
 ///
 /// ```
 /// use headway_experiments::report::{Choice, of_policy, steps};
-/// let report = of_policy::<&str>(&[]);
+/// let report = of_policy(&[("room", Vec::new())]);
 /// let missing = steps("no/results".as_ref(), &report, &Choice::default()).unwrap_err();
 /// assert!(missing.to_string().contains("no/results"));
 /// ```
