@@ -8,6 +8,7 @@ mod difference;
 pub mod episode;
 mod error;
 pub mod evaluate;
+pub mod export;
 pub mod jobs;
 mod plan;
 pub mod plot;

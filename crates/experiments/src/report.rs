@@ -16,7 +16,7 @@ pub use collapsed::{Collapsed, CollapsedSeed};
 pub use figures::Figure;
 pub use load::load;
 pub use runs::{Policy, RunRow};
-pub use study::{Choice, Drive, Form, Pick, Scene, Study, Trace, Trajectories};
+pub use study::{Choice, ControlStep, Drive, DriveSteps, Form, Pick, Scene, Study, Trace, Trajectories, steps};
 
 use headway_stats::{Confidence, Estimate, over_units, wilson};
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use crate::report::Pick;
+use crate::report::{Choice, Pick};
 use crate::spec::Assignment;
 use crate::store::AxisLevel;
 
@@ -18,6 +18,7 @@ Examples:
   experiments run specs/quick.toml --set seeds.count=1 --set train.n_steps=10000
   experiments watch results/quick                    how far each run is, and whether it learns
   experiments report results/quick                   success, collisions, speed, with intervals
+  experiments export results/quick                   the same data as Parquet files
 
 Exit codes: 0 success; 2 bad input (nothing was written); 3 `audit` found a reward that pays best for not arriving;
 1 any other failure.";
@@ -64,6 +65,8 @@ pub enum Command {
     List(ListArgs),
     /// Summarise a folder of finished runs with intervals over the training seeds.
     Report(ReportArgs),
+    /// Write a folder of finished runs as Parquet files: episodes, training metrics, control steps.
+    Export(ExportArgs),
     /// Show how far the runs of a folder are: progress, return, collapse; on a terminal until all are done.
     Watch(WatchArgs),
     /// Drive a policy file, or a classical driver, through a spec's evaluation worlds or by a protocol.
@@ -181,6 +184,51 @@ pub struct ReportArgs {
     /// One more drive to show; may be repeated. CELL is its levels, joined by commas, or * for every cell.
     #[arg(long, value_name = "CELL/WORLD/SEED/SCENARIO")]
     pub drive: Vec<Pick>,
+}
+
+impl ReportArgs {
+    /// The episodes that are asked for.
+    #[must_use]
+    pub fn choice(&self) -> Choice {
+        choice(self.drives, &self.drive)
+    }
+}
+
+fn choice(n_per_outcome: Option<NonZeroUsize>, asked: &[Pick]) -> Choice {
+    Choice { n_per_outcome: n_per_outcome.unwrap_or(Choice::default().n_per_outcome), asked: asked.to_vec() }
+}
+
+/// Arguments of `experiments export`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  experiments export results/quick
+  experiments export results/table1 --out tables --drives 3 --drive '*/10x15/0/17'
+  python -c \"import polars; print(polars.read_parquet('tables/episodes.parquet'))\"
+
+It writes episodes.parquet, training.parquet and steps.parquet; docs/data.md has their columns. The steps are those of the drives
+that `report --format html` shows, which are driven again; --drives and --drive choose them in the same way.")]
+pub struct ExportArgs {
+    /// The folder that `experiments run --out DIR` filled.
+    #[arg(value_name = "DIR")]
+    pub dir: PathBuf,
+    /// The folder for the files, which is made if need be [default: DIR/tables].
+    #[arg(long, value_name = "FOLDER")]
+    pub out: Option<PathBuf>,
+    /// How many drives of each outcome have their steps written of each cell and world [default: 1].
+    #[arg(long, value_name = "N")]
+    pub drives: Option<NonZeroUsize>,
+    /// One more drive; may be repeated. CELL is its levels, joined by commas, or * for every cell.
+    #[arg(long, value_name = "CELL/WORLD/SEED/SCENARIO")]
+    pub drive: Vec<Pick>,
+}
+
+impl ExportArgs {
+    /// The episodes that are asked for.
+    #[must_use]
+    pub fn choice(&self) -> Choice {
+        choice(self.drives, &self.drive)
+    }
 }
 
 /// Arguments of `experiments watch`.

@@ -5,6 +5,7 @@ pub mod audit;
 mod cell;
 pub mod check;
 pub mod evaluate;
+pub mod export;
 mod fixed;
 mod left_out;
 pub mod list;
@@ -48,6 +49,7 @@ fn execute(command: &Command, out: &mut dyn Write) -> Result<ExitCode, Error> {
         Command::Check(args) => check::execute(args, out),
         Command::List(args) => list::execute(args, out),
         Command::Report(args) => report::execute(args, out),
+        Command::Export(args) => export::execute(args, out),
         Command::Watch(args) => watch::execute(args, out),
         Command::Run(args) => run::execute(args, out),
         Command::Evaluate(args) => evaluate::execute(args, out),

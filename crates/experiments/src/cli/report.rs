@@ -6,7 +6,7 @@ use std::path::Path;
 use super::args::{ReportArgs, ReportFormat};
 use super::print;
 use crate::error::Error;
-use crate::report::{self, Choice, Study, Trajectories};
+use crate::report::{self, Study, Trajectories};
 
 /// Prints the report on a results folder to `out`, or a list of its runs, or writes it to files; with a format for machines,
 /// what a reader must know of it goes to stderr.
@@ -54,7 +54,7 @@ fn write_page(args: &ReportArgs, out: &mut dyn Write) -> Result<Vec<String>, Err
     if !folder.is_dir() {
         return Err(Error::Input(format!("--out {}: there is no folder `{}`", path.display(), folder.display())));
     }
-    let study = Study::load(&args.dir, &choice(args), Trajectories::Dropped)?;
+    let study = Study::load(&args.dir, &args.choice(), Trajectories::Dropped)?;
     let page = study.html(folder);
     std::fs::write(&path, &page).map_err(|error| Error::io("write", &path, error))?;
     print(out, &format!("{} ({:.1} MB)\n", path.display(), page.len() as f64 / 1e6))?;
@@ -63,14 +63,9 @@ fn write_page(args: &ReportArgs, out: &mut dyn Write) -> Result<Vec<String>, Err
 
 fn write_figures(args: &ReportArgs, out: &mut dyn Write) -> Result<Vec<String>, Error> {
     let folder = args.out.clone().unwrap_or_else(|| args.dir.join("figures"));
-    let study = Study::load(&args.dir, &choice(args), Trajectories::Kept)?;
+    let study = Study::load(&args.dir, &args.choice(), Trajectories::Kept)?;
     let paths = study.write_figures(&folder)?;
     let lines: String = paths.iter().map(|path| format!("{}\n", path.display())).collect();
     print(out, &lines)?;
     Ok(study.report.notes())
-}
-
-fn choice(args: &ReportArgs) -> Choice {
-    let n_per_outcome = args.drives.unwrap_or(Choice::default().n_per_outcome);
-    Choice { n_per_outcome, asked: args.drive.clone() }
 }

@@ -9,6 +9,7 @@ mod comparison;
 mod curves;
 mod drives;
 mod redrive;
+mod steps;
 mod trace;
 
 use std::collections::BTreeMap;
@@ -22,6 +23,7 @@ pub(super) use comparison::{Aggregate, Comparison};
 pub(super) use curves::Quantity;
 pub(super) use drives::{ASKED, Driven};
 pub use drives::{Drive, Trajectories};
+pub use steps::{ControlStep, DriveSteps, steps};
 pub use trace::{Form, Scene, Trace};
 
 use super::{Policy, Report, RunRow, load};
@@ -112,8 +114,10 @@ impl Study {
         let runs: Vec<&[RunRow]> = cells.iter().map(|cell| &report.runs[cell.runs.clone()]).collect();
         let comparisons =
             COMPARED.map(|metric| Comparison::new(metric, &runs)).into_iter().collect::<Result<_, _>>()?;
-        let (driven, warnings) = again::drive(root, choice, with, &index, &cells, &report)?;
+        let tasks = again::tasks(&index, &cells, &report);
+        let (driven, warnings) = again::each(tasks, |task| task.drive(root, choice, with))?;
         report.warnings.extend(warnings);
+        report.warnings.extend(otherwise(&driven));
         let folder = root.to_owned();
         Ok(Self { name: index.name, folder, report, cells, places, versions, revisions, curves, comparisons, driven })
     }
@@ -158,6 +162,12 @@ fn groups(index: &Index) -> Vec<Group> {
         Group { distinct: distinct.collect(), levels, runs }
     };
     index.cells.iter().map(group).collect()
+}
+
+fn otherwise(driven: &[Driven]) -> Option<String> {
+    let sum = |count: fn(&Driven) -> usize| driven.iter().map(count).sum();
+    let (n, n_otherwise) = (sum(|driven| driven.n_driven), sum(|driven| driven.n_otherwise));
+    again::otherwise(n, n_otherwise, "drives and speeds over clearance")
 }
 
 fn provenance(root: &Path, report: &Report) -> Result<(Counts, Counts), Error> {

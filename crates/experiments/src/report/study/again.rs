@@ -1,72 +1,62 @@
 //! Every row of the report driven again, side by side.
 
 use std::num::NonZeroUsize;
-use std::path::Path;
 use std::thread::available_parallelism;
 
 use super::Group;
-use super::choice::Choice;
-use super::drives::{Driven, Task, Trajectories};
+use super::drives::Task;
 use crate::Error;
 use crate::jobs::{self, Display, Job};
 use crate::report::Report;
 use crate::store::Index;
 
-/// Drives again, row by row; what failed is told in warnings.
-pub(super) fn drive(
-    root: &Path,
-    choice: &Choice,
-    with: Trajectories,
-    index: &Index,
-    cells: &[Group],
-    report: &Report,
-) -> Result<(Vec<Driven>, Vec<String>), Error> {
-    let levels: Vec<String> = cells.iter().map(|cell| cell.levels.join(",")).collect();
-    let titles: Vec<String> = report
-        .rows
-        .iter()
-        .map(|row| {
-            let names: Vec<&str> =
-                row.axes.iter().map(|level| level.level.as_str()).chain([row.world.as_str()]).collect();
-            names.join(" · ")
-        })
-        .collect();
+/// One task per row of the report.
+pub(super) fn tasks<'a>(index: &'a Index, cells: &[Group], report: &'a Report) -> Vec<Task<'a>> {
     let mut tasks = Vec::new();
-    for (cell, indexed) in index.cells.iter().enumerate() {
+    for (cell, indexed) in cells.iter().zip(&index.cells) {
         for (world, evaluation) in indexed.evaluations.iter().enumerate() {
-            let row = tasks.len();
-            let input = Task {
-                row,
-                runs: &report.runs[cells[cell].runs.clone()],
+            tasks.push(Task {
+                row: tasks.len(),
+                runs: &report.runs[cell.runs.clone()],
                 world,
                 name: &evaluation.world,
                 eval_id: &evaluation.eval_id,
-                levels: &levels[cell],
-                title: &titles[row],
-            };
-            tasks.push(Job { input, work: 1 });
+                levels: cell.levels.join(","),
+                title: [&cell.levels[..], std::slice::from_ref(&evaluation.world)].concat().join(" · "),
+            });
         }
     }
+    tasks
+}
+
+/// What `work` makes of each task, on all cores; what failed is empty, and told in warnings.
+pub(super) fn each<T: Default + Send>(
+    tasks: Vec<Task<'_>>,
+    work: impl Fn(&Task<'_>) -> Result<T, Error> + Sync,
+) -> Result<(Vec<T>, Vec<String>), Error> {
+    let jobs: Vec<_> = tasks.into_iter().map(|input| Job { input, work: 1 }).collect();
     let n_workers = available_parallelism().unwrap_or(NonZeroUsize::MIN);
-    let outcomes = jobs::run(&tasks, n_workers, Display::auto("rows of drives"), |task: &Task<'_>, progress| {
+    let outcomes = jobs::run(&jobs, n_workers, Display::auto("rows of drives"), |task: &Task<'_>, progress| {
         progress.advance(1);
-        Ok::<_, Error>(task.drive(root, choice, with))
+        Ok::<_, Error>(work(task))
     })?;
     let mut warnings = Vec::new();
-    let mut driven = Vec::new();
-    for (outcome, title) in outcomes.into_iter().zip(&titles) {
-        driven.push(outcome.unwrap_or_else(|error| {
-            warnings.push(format!("{title}: cannot be driven again: {error}"));
-            Driven::default()
+    let mut results = Vec::new();
+    for (outcome, job) in outcomes.into_iter().zip(&jobs) {
+        results.push(outcome.unwrap_or_else(|error| {
+            warnings.push(format!("{}: cannot be driven again: {error}", job.input.title));
+            T::default()
         }));
     }
-    let sum = |count: fn(&Driven) -> usize| driven.iter().map(count).sum::<usize>();
-    let (n, n_otherwise) = (sum(|driven| driven.n_driven), sum(|driven| driven.n_otherwise));
-    if n_otherwise > 0 {
-        warnings.push(format!(
+    Ok((results, warnings))
+}
+
+/// The warning that `n_otherwise` of `n` episodes went otherwise than recorded, if any did; `what` is from these drives.
+pub(super) fn otherwise(n: usize, n_otherwise: usize, what: &str) -> Option<String> {
+    (n_otherwise > 0).then(|| {
+        format!(
             "{n_otherwise} of {n} episodes that were driven again went otherwise than recorded: by other code, or from \
-             files that have changed since; drives and speeds over clearance are those of today"
-        ));
-    }
-    Ok((driven, warnings))
+             files that have changed since; {what} are those of today"
+        )
+    })
 }

@@ -60,7 +60,7 @@ pub(crate) struct Driven {
 }
 
 /// One row of the report: a cell in one of its worlds.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct Task<'a> {
     pub(super) row: usize,
     pub(super) runs: &'a [RunRow],
@@ -69,8 +69,8 @@ pub(super) struct Task<'a> {
     pub(super) name: &'a str,
     pub(super) eval_id: &'a Id,
     /// The cell's levels, joined by commas.
-    pub(super) levels: &'a str,
-    pub(super) title: &'a str,
+    pub(super) levels: String,
+    pub(super) title: String,
 }
 
 impl Task<'_> {
@@ -81,8 +81,7 @@ impl Task<'_> {
     pub(super) fn drive(&self, root: &std::path::Path, choice: &Choice, with: Trajectories) -> Result<Driven, Error> {
         let mut driven = Driven::default();
         let mut meters = Vec::new();
-        let typical = Choice::typical_run(self.runs, self.world).map(|run| run.seed);
-        for run in self.runs.iter().filter(|run| run.summaries[self.world].1.is_some()) {
+        for run in self.evaluated() {
             let folder = RunFolder::new(root, &run.train_id);
             let records = folder.evaluation(self.eval_id);
             let mut evaluation = Evaluation::of(&folder, &records)?;
@@ -98,9 +97,7 @@ impl Task<'_> {
                 driven.count(again == *record);
             }
             meters.push(meter);
-            let mut shown = if typical == Some(run.seed) { choice.of_episodes(&records) } else { Vec::new() };
-            shown.extend(self.asked(choice, run.seed, &records));
-            for (why, record) in shown {
+            for (why, record) in self.shown(choice, run.seed, &records) {
                 let drive = self.show(&mut evaluation, run.seed, why, record, with)?;
                 driven.count(drive.is_as_recorded);
                 driven.drives.push(drive);
@@ -110,16 +107,25 @@ impl Task<'_> {
         Ok(driven)
     }
 
-    fn asked<'a>(
+    /// The runs that were evaluated in the world.
+    pub(super) fn evaluated(&self) -> impl Iterator<Item = &RunRow> {
+        self.runs.iter().filter(|run| run.summaries[self.world].1.is_some())
+    }
+
+    /// The episodes of a seed that are shown, and why: those of the typical seed by the rule, then those asked for.
+    pub(super) fn shown<'a>(
         &self,
         choice: &Choice,
         seed: u64,
         records: &'a [EpisodeRecord],
     ) -> Vec<(&'static str, &'a EpisodeRecord)> {
+        let typical = Choice::typical_run(self.runs, self.world).map(|run| run.seed);
+        let mut shown = if typical == Some(seed) { choice.of_episodes(records) } else { Vec::new() };
         let here =
-            choice.asked.iter().filter(|pick| pick.is_of(self.levels) && pick.world == self.name && pick.seed == seed);
+            choice.asked.iter().filter(|pick| pick.is_of(&self.levels) && pick.world == self.name && pick.seed == seed);
         let record = |scenario: u64| records.iter().find(|record| record.scenario == scenario);
-        here.filter_map(|pick| Some((ASKED, record(pick.scenario)?))).collect()
+        shown.extend(here.filter_map(|pick| Some((ASKED, record(pick.scenario)?))));
+        shown
     }
 
     fn show(
@@ -176,7 +182,7 @@ impl Driven {
 }
 
 impl Evaluation {
-    fn drive(
+    pub(super) fn drive(
         &mut self,
         set: &ScenarioSet,
         record: &EpisodeRecord,

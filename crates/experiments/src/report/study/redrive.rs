@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use headway_env::Mdp;
+use headway_env::{ActionSet, Control, Mdp};
 use headway_planning::{Controller, ShieldSpec};
 use headway_sim::WorldSpec;
 use serde::Deserialize;
 use toml::{Table, Value};
 
 use crate::Error;
-use crate::candidate::Candidate;
+use crate::candidate::{Candidate, Identity};
 use crate::spec::{EvaluateWorld, PolicySpec, RunSpec};
 use crate::store::{EvaluationFolder, RunFolder};
 
@@ -30,6 +30,8 @@ pub(super) struct Evaluation {
     pub(super) seed: u64,
     /// The spec of the run, as far as driving depends on it.
     pub(super) spec: RunSpec,
+    /// Whether commands are actions of a policy, as they are unless a path follower steers.
+    is_by_actions: bool,
 }
 
 impl Evaluation {
@@ -45,9 +47,15 @@ impl Evaluation {
             PolicySpec::File { path } => Candidate::load(path)?,
             driver => Candidate::driver_of(driver.driver().expect("all others are classical drivers")),
         };
+        let is_by_actions = matches!(candidate.identity(), Identity::Policy { control: Control::Full {}, .. });
         let world = EvaluateWorld { name: String::new(), time_limit: rules.time_limit, world: rules.world };
         let (mdp, driver) = candidate.shielded(rules.shield).set_up(spec.evaluation(&world))?;
-        Ok(Self { mdp, driver, seed: rules.seed, spec })
+        Ok(Self { mdp, driver, seed: rules.seed, spec, is_by_actions })
+    }
+
+    /// The actions that the driver chooses among; none of what commands freely.
+    pub(super) fn actions(&self) -> Option<&ActionSet> {
+        self.is_by_actions.then(|| self.mdp.actions())
     }
 }
 
