@@ -24,11 +24,18 @@ fn posed(pose: &str) -> String {
 /// The place of what [`geometry`] makes.
 const PLACE: &str = "line 1, model 'm', link 'link', collision 'collision': ";
 
+/// Checks that each text is refused in words that hold what is beside it.
+fn assert_refused(cases: Vec<(String, String)>) {
+    for (text, wanted) in cases {
+        let error = refusal(text.as_bytes());
+        assert!(error.contains(&wanted), "{error}\n  wanted: {wanted}");
+        assert!(error.len() < 600, "{error}");
+    }
+}
+
 #[test]
-fn each_fault_is_named() {
-    let ground = model("m", "0 0 0 0 0 0", &cylinder(1.0, 1.0));
-    let triangle = "<polyline><height>1</height><point>0 0</point><point>1 0</point><point>0 1</point></polyline>";
-    let cases: Vec<(String, String)> = vec![
+fn faults_of_documents_are_named() {
+    assert_refused(vec![
         (String::new(), "no well-formed XML: the document does not have a root node".into()),
         ("<sdf version='1.6'><world".into(), "no well-formed XML: ".into()),
         ("<sdf version='1.6'><world></sdf>".into(), "expected 'world' tag, not 'sdf' at 1:27".into()),
@@ -42,6 +49,12 @@ fn each_fault_is_named() {
             "<sdf version='1.6'>\n<world/>\n<world/>\n<world/></sdf>".into(),
             "line 3: world = 3 worlds: must be one world in a file".into(),
         ),
+    ]);
+}
+
+#[test]
+fn faults_of_shapes_are_named() {
+    assert_refused(vec![
         (geometry(""), "<a shape of the geometry> is missing".into()),
         (geometry("").replace("<geometry></geometry>", ""), format!("{PLACE}<geometry> is missing")),
         (geometry("<cylinder><radius>1</radius></cylinder>"), format!("{PLACE}<length> is missing")),
@@ -82,6 +95,14 @@ fn each_fault_is_named() {
             posed("<pose>0 0 0 0 0 0</pose><pose>1 0 0 0 0 0</pose>"),
             "line 1, model 'm': pose = a second one: must be once in its element".into(),
         ),
+    ]);
+}
+
+#[test]
+fn faults_of_poses_and_names_are_named() {
+    let ground = model("m", "0 0 0 0 0 0", &cylinder(1.0, 1.0));
+    let triangle = "<polyline><height>1</height><point>0 0</point><point>1 0</point><point>0 1</point></polyline>";
+    assert_refused(vec![
         (posed("<pose>0 0 0</pose>"), "line 1, model 'm': pose = 3 numbers: must be 6 numbers".into()),
         (posed("<pose>0 0 x 0 0 0</pose>"), "line 1, model 'm': pose = 'x': must be a number".into()),
         (
@@ -145,6 +166,13 @@ fn each_fault_is_named() {
             ours("<headway:room>0 0 10</headway:room>"),
             "room = 3 numbers: must be a room (x, y, width, height), a start or a goal".into(),
         ),
+    ]);
+}
+
+#[test]
+fn faults_of_our_scenarios_are_named() {
+    let ground = model("m", "0 0 0 0 0 0", &cylinder(1.0, 1.0));
+    assert_refused(vec![
         (ours("<headway:room>0 0 10 -1</headway:room>"), "room: height = -1: must be a finite number above 0".into()),
         (ours("<headway:start>0 0</headway:start>"), "start = [0.0, 0.0]: must be [x, y, yaw], or".into()),
         (ours("<headway:goal>0 0 0</headway:goal>"), "goal = [0.0, 0.0, 0.0]: must be [x, y], metres".into()),
@@ -152,12 +180,7 @@ fn each_fault_is_named() {
             ours("<headway:room>0 0 1 1</headway:room>").replace("</world>", &(ground.clone() + "</world>")),
             "room: obstacle 0 at (0, 0) reaches out of the 1 x 1 m room".into(),
         ),
-    ];
-    for (text, wanted) in cases {
-        let error = refusal(text.as_bytes());
-        assert!(error.contains(&wanted), "{error}\n  wanted: {wanted}");
-        assert!(error.len() < 600, "{error}");
-    }
+    ]);
 }
 
 fn ours(element: &str) -> String {
