@@ -23,11 +23,24 @@ pub struct Bootstrap {
     n_resamples: usize,
     confidence: Confidence,
     seed: u64,
+    redrawn: Redrawn,
+}
+
+/// What a resample of [`Scores`](crate::Scores) is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Redrawn {
+    /// Each task's scores come from runs drawn for that task alone (Agarwal et al., 2021): right where every task has policies of
+    /// its own.
+    #[default]
+    WithinTasks,
+    /// Whole runs are drawn, with their scores in all tasks: right where one policy is judged in all of them, so that they share
+    /// its luck.
+    WholeRuns,
 }
 
 impl Default for Bootstrap {
     fn default() -> Self {
-        Self { n_resamples: 10_000, confidence: Confidence::default(), seed: 0 }
+        Self { n_resamples: 10_000, confidence: Confidence::default(), seed: 0, redrawn: Redrawn::default() }
     }
 }
 
@@ -66,6 +79,26 @@ impl Bootstrap {
     #[must_use]
     pub fn with_confidence(self, confidence: Confidence) -> Self {
         Self { confidence, ..self }
+    }
+
+    /// The same with other resamples of scores in several tasks; nothing else changes.
+    #[must_use]
+    pub fn redrawing(self, redrawn: Redrawn) -> Self {
+        Self { redrawn, ..self }
+    }
+
+    /// Writes a resample of scores, row by row.
+    pub(crate) fn redraw(&self, rng: &mut impl Rng, values: &[f64], n_tasks: usize, resample: &mut [f64]) {
+        let n_runs = values.len() / n_tasks;
+        for row in resample.chunks_exact_mut(n_tasks) {
+            match self.redrawn {
+                Redrawn::WithinTasks => {
+                    let scores = row.iter_mut().enumerate();
+                    scores.for_each(|(task, score)| *score = values[below(rng, n_runs) * n_tasks + task]);
+                }
+                Redrawn::WholeRuns => row.copy_from_slice(&values[below(rng, n_runs) * n_tasks..][..n_tasks]),
+            }
+        }
     }
 
     /// Number of resamples.
@@ -137,14 +170,6 @@ pub fn bootstrap<T: Clone>(
     }))
 }
 
-/// Redraws the runs within each task: each score comes from a run of its own column.
-pub(crate) fn redraw(rng: &mut impl Rng, values: &[f64], n_tasks: usize, resample: &mut [f64]) {
-    let n_runs = values.len() / n_tasks;
-    for row in resample.chunks_exact_mut(n_tasks) {
-        row.iter_mut().enumerate().for_each(|(task, score)| *score = values[below(rng, n_runs) * n_tasks + task]);
-    }
-}
-
 /// A uniform index below `n`, by multiplication and shift; its bias of `n / 2^64` is of no account.
 pub(crate) fn below(rng: &mut impl Rng, n: usize) -> usize {
     ((u128::from(rng.next_u64()) * n as u128) >> 64) as usize
@@ -207,13 +232,29 @@ mod tests {
     }
 
     #[test]
+    fn whole_runs_stay_together() {
+        let values: Vec<f64> = (0..12).map(f64::from).collect();
+        let (mut rng, mut resample) = (ChaCha8Rng::seed_from_u64(0), values.clone());
+        let how = Bootstrap::default().redrawing(Redrawn::WholeRuns);
+        let mut seen = [false; 4];
+        for _ in 0..20 {
+            how.redraw(&mut rng, &values, 3, &mut resample);
+            for row in resample.chunks_exact(3) {
+                assert_eq!((row[0] % 3.0, row[1] - row[0], row[2] - row[0]), (0.0, 1.0, 2.0));
+                seen[row[0] as usize / 3] = true;
+            }
+        }
+        assert_eq!(seen, [true; 4]);
+    }
+
+    #[test]
     fn redrawing_keeps_every_score_in_its_column() {
         let values: Vec<f64> = (0..12).map(f64::from).collect();
         let mut rng = ChaCha8Rng::seed_from_u64(2);
         let mut resample = vec![0.0; 12];
         let mut seen = [false; 12];
         for _ in 0..200 {
-            redraw(&mut rng, &values, 3, &mut resample);
+            Bootstrap::default().redraw(&mut rng, &values, 3, &mut resample);
             for (i, value) in resample.iter().enumerate() {
                 assert_eq!(*value as usize % 3, i % 3);
                 seen[*value as usize] = true;

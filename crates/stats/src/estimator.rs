@@ -1,6 +1,6 @@
 //! What is estimated of a matrix of scores.
 
-use crate::bootstrap::{mean, redraw};
+use crate::bootstrap::mean;
 use crate::scores::task_means;
 use crate::{Bootstrap, Interval, Scores};
 
@@ -82,8 +82,8 @@ fn interquartile_mean(values: &mut [f64]) -> f64 {
 ///
 /// It says what other seeds would have given in the same tasks, not how other tasks would have gone. It takes a run's
 /// scores in different tasks for independent: true where every task has policies of its own; where one policy drives
-/// in all, its luck is shared, and the honest interval is that of [`over_units`](crate::over_units) or
-/// [`bootstrap`](crate::bootstrap) on [`Scores::run_means`]. Not for fewer than three runs.
+/// in all, its luck is shared, and whole runs must be redrawn: [`Redrawn::WholeRuns`](crate::Redrawn). Not for fewer than three
+/// runs.
 ///
 /// ```
 /// use headway_stats::{Bootstrap, Estimator, Scores, stratified_bootstrap};
@@ -98,7 +98,7 @@ pub fn stratified_bootstrap(scores: &Scores, estimator: Estimator, how: &Bootstr
     let n_tasks = scores.n_tasks();
     let (mut resample, mut means) = (scores.values().to_vec(), Vec::with_capacity(n_tasks));
     how.interval(estimator.of(scores), |rng| {
-        redraw(rng, scores.values(), n_tasks, &mut resample);
+        how.redraw(rng, scores.values(), n_tasks, &mut resample);
         estimator.of_values(&mut resample, n_tasks, &mut means)
     })
 }

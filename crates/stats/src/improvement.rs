@@ -1,6 +1,5 @@
 //! How likely one arm is to beat another.
 
-use crate::bootstrap::redraw;
 use crate::{Bootstrap, Interval, Scores, StatsError};
 
 /// The probability that a run of X beats a run of Y in a task, averaged over the tasks:
@@ -54,8 +53,8 @@ pub fn improvement_bootstrap(x: &Scores, y: &Scores, how: &Bootstrap) -> Result<
     let (mut redrawn_x, mut redrawn_y) = (x.values().to_vec(), y.values().to_vec());
     let point = probability_of_improvement(x, y)?;
     Ok(how.interval(point, |rng| {
-        redraw(rng, x.values(), x.n_tasks(), &mut redrawn_x);
-        redraw(rng, y.values(), y.n_tasks(), &mut redrawn_y);
+        how.redraw(rng, x.values(), x.n_tasks(), &mut redrawn_x);
+        how.redraw(rng, y.values(), y.n_tasks(), &mut redrawn_y);
         pair.set(&redrawn_x, &redrawn_y);
         pair.probability()
     }))

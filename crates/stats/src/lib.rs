@@ -43,7 +43,7 @@ mod scores;
 mod seeds;
 mod wilson;
 
-pub use bootstrap::{Bootstrap, Interval, bootstrap};
+pub use bootstrap::{Bootstrap, Interval, Redrawn, bootstrap};
 pub use clustered::{Clustered, clustered};
 pub use confidence::Confidence;
 pub use error::StatsError;

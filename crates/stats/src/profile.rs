@@ -1,6 +1,5 @@
 //! How many runs score how much.
 
-use crate::bootstrap::redraw;
 use crate::scores::task_means;
 use crate::{Bootstrap, Interval, Scores, StatsError};
 
@@ -48,7 +47,7 @@ pub fn performance_profile(
     profile.shares(scores.values(), n_tasks, &mut counted, taus, &mut points);
     let mut resample = scores.values().to_vec();
     Ok(how.intervals(&points, |rng, shares| {
-        redraw(rng, scores.values(), n_tasks, &mut resample);
+        how.redraw(rng, scores.values(), n_tasks, &mut resample);
         profile.shares(&resample, n_tasks, &mut counted, taus, shares);
     }))
 }

@@ -1,7 +1,8 @@
 //! Cells beside each other, over all seeds and worlds.
 
 use headway_stats::{
-    Bootstrap, Estimator, Interval, Profile, Scores, improvement_bootstrap, performance_profile, stratified_bootstrap,
+    Bootstrap, Estimator, Interval, Profile, Redrawn, Scores, improvement_bootstrap, performance_profile,
+    stratified_bootstrap,
 };
 
 use super::bands::{MIN_UNITS, Point, resampling};
@@ -41,6 +42,11 @@ struct Arm<'a> {
     scores: Option<Scores>,
 }
 
+/// One policy drives in all worlds, so that its scores are redrawn together.
+fn whole(how: Bootstrap) -> Bootstrap {
+    how.redrawing(Redrawn::WholeRuns)
+}
+
 impl Comparison {
     /// The comparison of cells, each given by its runs.
     pub(super) fn new(metric: Metric, cells: &[&[RunRow]]) -> Result<Self, Error> {
@@ -78,7 +84,7 @@ impl<'a> Arm<'a> {
     }
 
     fn iqm(&self) -> Option<Aggregate> {
-        let interval = stratified_bootstrap(self.scores.as_ref()?, Estimator::Iqm, &Bootstrap::default());
+        let interval = stratified_bootstrap(self.scores.as_ref()?, Estimator::Iqm, &whole(Bootstrap::default()));
         let band = self.has_spread().then(|| interval.ends());
         Some(Aggregate { value: interval.point, band, n_runs: self.n_runs() })
     }
@@ -86,7 +92,7 @@ impl<'a> Arm<'a> {
     fn profile(&self) -> Result<Vec<Point>, Error> {
         let Some(scores) = &self.scores else { return Ok(Vec::new()) };
         let taus: Vec<f64> = (0..N_TAUS).map(|k| k as f64 / (N_TAUS - 1) as f64).collect();
-        let shares = performance_profile(scores, &taus, Profile::Runs, &resampling()).map_err(Error::failure)?;
+        let shares = performance_profile(scores, &taus, Profile::Runs, &whole(resampling())).map_err(Error::failure)?;
         let band = |share: &Interval| self.has_spread().then(|| share.ends());
         let point =
             |(tau, share): (f64, &Interval)| Point { x: tau, y: share.point, band: band(share), n: self.n_runs() };
@@ -98,6 +104,6 @@ impl<'a> Arm<'a> {
         if self.worlds != other.worlds || !self.has_spread() || !other.has_spread() {
             return Ok(None);
         }
-        improvement_bootstrap(x, y, &resampling()).map(Some).map_err(Error::failure)
+        improvement_bootstrap(x, y, &whole(resampling())).map(Some).map_err(Error::failure)
     }
 }
