@@ -2,6 +2,7 @@
 
 mod chart;
 mod collapsed;
+mod contrast;
 mod csv;
 mod figures;
 mod json;
@@ -13,6 +14,7 @@ mod study;
 mod table;
 
 pub use collapsed::{Collapsed, CollapsedSeed};
+pub use contrast::{Contrast, Contrasts, Difference, WORLD};
 pub use figures::Figure;
 pub use load::load;
 pub use runs::{Policy, RunRow};

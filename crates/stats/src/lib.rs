@@ -52,5 +52,5 @@ pub use improvement::{improvement_bootstrap, probability_of_improvement};
 pub use paired::{Unit, cluster_bootstrap, paired_differences};
 pub use profile::{Profile, performance_profile};
 pub use scores::Scores;
-pub use seeds::{Estimate, over_units};
+pub use seeds::{Estimate, MIN_UNITS, over_units};
 pub use wilson::wilson;

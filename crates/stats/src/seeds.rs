@@ -6,7 +6,7 @@ use crate::bootstrap::mean;
 use crate::{Bootstrap, Interval, bootstrap};
 
 /// Fewest seeds for which an interval is given.
-pub(crate) const MIN_UNITS: usize = 3;
+pub const MIN_UNITS: usize = 3;
 
 /// A mean with its 95 % interval; a field is `None` where it is undefined.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

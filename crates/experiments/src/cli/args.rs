@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::episode::Metric;
 use crate::report::{Choice, Pick};
 use crate::spec::Assignment;
 use crate::store::AxisLevel;
@@ -18,6 +19,7 @@ Examples:
   experiments run specs/quick.toml --set seeds.count=1 --set train.n_steps=10000
   experiments watch results/quick                    how far each run is, and whether it learns
   experiments report results/quick                   success, collisions, speed, with intervals
+  experiments compare results/quick --over reward    what a change of reward is worth, seed by seed
   experiments export results/quick                   the same data as Parquet files
 
 Exit codes: 0 success; 2 bad input (nothing was written); 3 `audit` found a reward that pays best for not arriving;
@@ -65,6 +67,8 @@ pub enum Command {
     List(ListArgs),
     /// Summarise a folder of finished runs with intervals over the training seeds.
     Report(ReportArgs),
+    /// Hold the levels of one axis against each other, all else alike: paired differences, and the probability of improvement.
+    Compare(CompareArgs),
     /// Write a folder of finished runs as Parquet files: episodes, training metrics, control steps.
     Export(ExportArgs),
     /// Show how far the runs of a folder are: progress, return, collapse; on a terminal until all are done.
@@ -196,6 +200,40 @@ impl ReportArgs {
 
 fn choice(n_per_outcome: Option<NonZeroUsize>, asked: &[Pick]) -> Choice {
     Choice { n_per_outcome: n_per_outcome.unwrap_or(Choice::default().n_per_outcome), asked: asked.to_vec() }
+}
+
+/// Arguments of `experiments compare`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  experiments compare results/table1 --over reward
+  experiments compare results/table1 --over reward --base R_couple --metric needless_decelerations_per_m,mean_jerk
+  experiments compare results/table1 --over world            the same policies in one world and in the other
+  experiments compare results/table1 --over agent --format csv > agents.csv
+
+Runs are paired by their training seed; what the seed decides, the two have in common.")]
+pub struct CompareArgs {
+    /// The folder that `experiments run --out DIR` filled.
+    #[arg(value_name = "DIR")]
+    pub dir: PathBuf,
+    /// The axis of the grid whose levels are compared; or `world`: the worlds of the evaluations.
+    #[arg(long, value_name = "AXIS")]
+    pub over: String,
+    /// The level that the others are held against [default: the axis's first].
+    #[arg(long, value_name = "LEVEL")]
+    pub base: Option<String>,
+    /// The metrics of the table; json and csv have all.
+    #[arg(long, value_name = "NAME[,NAME]...", value_delimiter = ',', value_parser = metric,
+          default_value = "success,mean_speed")]
+    pub metric: Vec<Metric>,
+    /// How to print.
+    #[arg(long, value_enum, default_value_t = CompareFormat::Table)]
+    pub format: CompareFormat,
+}
+
+fn metric(name: &str) -> Result<Metric, String> {
+    let names = || Metric::ALL.map(Metric::name).join(", ");
+    Metric::ALL.into_iter().find(|metric| metric.name() == name).ok_or_else(|| format!("must be one of {}", names()))
 }
 
 /// Arguments of `experiments export`.
@@ -348,6 +386,17 @@ pub enum ReportFormat {
     Html,
     /// Figures for papers, in a folder.
     Svg,
+}
+
+/// How `experiments compare` prints.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum CompareFormat {
+    /// A table for people.
+    Table,
+    /// JSON, an object with a list of differences, in every metric.
+    Json,
+    /// CSV, one line per difference and metric.
+    Csv,
 }
 
 /// A published way to measure.

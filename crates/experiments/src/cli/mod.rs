@@ -4,6 +4,7 @@ pub mod args;
 pub mod audit;
 mod cell;
 pub mod check;
+pub mod compare;
 pub mod evaluate;
 pub mod export;
 mod fixed;
@@ -49,6 +50,7 @@ fn execute(command: &Command, out: &mut dyn Write) -> Result<ExitCode, Error> {
         Command::Check(args) => check::execute(args, out),
         Command::List(args) => list::execute(args, out),
         Command::Report(args) => report::execute(args, out),
+        Command::Compare(args) => compare::execute(args, out),
         Command::Export(args) => export::execute(args, out),
         Command::Watch(args) => watch::execute(args, out),
         Command::Run(args) => run::execute(args, out),

@@ -3,18 +3,20 @@
 use super::{Interval, Report, Row};
 use crate::episode::Metric;
 
+/// Records of equal length as CSV.
+pub(super) fn written(mut records: impl Iterator<Item = Vec<String>>) -> String {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    records.try_for_each(|record| writer.write_record(record)).expect("records of equal length in memory");
+    let bytes = writer.into_inner().expect("a writer in memory");
+    String::from_utf8(bytes).expect("made of strings")
+}
+
 impl Report {
     /// The rows as CSV with a header: the axes, `world`, `seeds`, `episodes` (of all seeds together), and for each
     /// [`Metric`] its mean, `_low` and `_high`; empty where undefined. Rates are shares in [0, 1]. At the end, of a single
     /// policy, `_wilson_low` and `_wilson_high` of its rates.
     pub fn csv(&self) -> String {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        std::iter::once(self.header())
-            .chain(self.rows.iter().map(|row| self.record(row)))
-            .try_for_each(|record| writer.write_record(record))
-            .expect("records of equal length in memory");
-        let bytes = writer.into_inner().expect("a writer in memory");
-        String::from_utf8(bytes).expect("made of strings")
+        written(std::iter::once(self.header()).chain(self.rows.iter().map(|row| self.record(row))))
     }
 
     fn header(&self) -> Vec<String> {

@@ -48,7 +48,7 @@ struct WithWilson<'a> {
 }
 
 /// Levels as a map from axis to level, in the order of the axes.
-struct Levels<'a>(&'a [AxisLevel]);
+pub(super) struct Levels<'a>(pub(super) &'a [AxisLevel]);
 
 impl Serialize for Levels<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {

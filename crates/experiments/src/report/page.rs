@@ -121,10 +121,10 @@ impl Study {
 
     fn sections(&self, figures: &Figures) -> String {
         let Figures { intervals, comparison, curves, clearance } = figures;
-        let improvement = self.improvement();
+        let beside = self.contrast_tables() + &self.ranking_tables();
         [
             section("intervals", "Intervals", intervals, ""),
-            section("comparison", "Cells beside each other", comparison, &improvement),
+            section("comparison", "Cells beside each other", comparison, &beside),
             section("curves", "Learning curves", curves, ""),
             section("clearance", "Speed against clearance", clearance, ""),
         ]

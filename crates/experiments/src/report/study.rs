@@ -19,17 +19,16 @@ use std::path::{Path, PathBuf};
 pub(super) use bands::Point;
 pub use choice::{Choice, Pick};
 pub(super) use clearance::N_EPISODES as N_CLEARANCE_EPISODES;
-pub(super) use comparison::{Aggregate, Comparison};
+pub(super) use comparison::{Aggregate, Comparison, Ranking};
 pub(super) use curves::Quantity;
 pub(super) use drives::{ASKED, Driven};
 pub use drives::{Drive, Trajectories};
 pub use steps::{ControlStep, DriveSteps, steps};
 pub use trace::{Form, Scene, Trace};
 
-use super::{Policy, Report, RunRow, load};
+use super::{Contrasts, Policy, Report, RunRow, WORLD, load};
 use crate::Error;
 use crate::store::{Cell, Index, RunFolder};
-use comparison::COMPARED;
 
 /// A results folder as pages and figures show it: the report, its learning curves, comparisons of its cells, and episodes
 /// that were driven again.
@@ -51,6 +50,9 @@ pub struct Study {
     /// The learning curves of the cells that trained.
     pub(super) curves: Vec<Curves>,
     pub(super) comparisons: Vec<Comparison>,
+    pub(super) rankings: Vec<Ranking>,
+    /// One for each axis with several levels, and for the worlds if there are several.
+    pub(super) contrasts: Vec<Contrasts>,
     /// One per row of the report.
     pub(super) driven: Vec<Driven>,
 }
@@ -112,14 +114,27 @@ impl Study {
         let (versions, revisions) = provenance(root, &report)?;
         let curves = learning_curves(root, &cells, &report)?;
         let runs: Vec<&[RunRow]> = cells.iter().map(|cell| &report.runs[cell.runs.clone()]).collect();
-        let comparisons =
-            COMPARED.map(|metric| Comparison::new(metric, &runs)).into_iter().collect::<Result<_, _>>()?;
+        let (comparisons, rankings) = (Comparison::all(&runs)?, Ranking::all(&runs)?);
+        let contrasts = contrasts(&report);
         let tasks = again::tasks(&index, &cells, &report);
         let (driven, warnings) = again::each(tasks, |task| task.drive(root, choice, with))?;
         report.warnings.extend(warnings);
         report.warnings.extend(otherwise(&driven));
         let folder = root.to_owned();
-        Ok(Self { name: index.name, folder, report, cells, places, versions, revisions, curves, comparisons, driven })
+        Ok(Self {
+            name: index.name,
+            folder,
+            report,
+            cells,
+            places,
+            versions,
+            revisions,
+            curves,
+            comparisons,
+            rankings,
+            contrasts,
+            driven,
+        })
     }
 
     /// The episodes that are shown, in the order of the rows.
@@ -162,6 +177,13 @@ fn groups(index: &Index) -> Vec<Group> {
         Group { distinct: distinct.collect(), levels, runs }
     };
     index.cells.iter().map(group).collect()
+}
+
+/// The contrasts over everything that has more than one level.
+fn contrasts(report: &Report) -> Vec<Contrasts> {
+    let axes = report.axes.iter().map(String::as_str);
+    let all = axes.chain([WORLD].into_iter().filter(|world| !report.axes.iter().any(|axis| axis == world)));
+    all.filter_map(|over| report.contrasts(over, None).ok()).collect()
 }
 
 fn otherwise(driven: &[Driven]) -> Option<String> {

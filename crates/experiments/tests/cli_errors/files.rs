@@ -75,6 +75,16 @@ fn a_run_of_a_bad_spec_creates_no_folder() {
     assert!(!folder.path().join("out").exists());
 }
 
+#[test]
+fn a_metric_that_is_none_is_met_with_their_names() {
+    let folder = TempDir::new().unwrap();
+    let output = experiments(folder.path(), &["compare", "results", "--over", "reward", "--metric", "success,speed"]);
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    let expected = "error: invalid value 'speed' for '--metric <NAME[,NAME]...>': must be one of success, collision,";
+    assert!(stderr.starts_with(expected), "{stderr}");
+    assert_eq!(output.status.code(), Some(2));
+}
+
 /// The help said "one object", which it is not.
 #[test]
 fn the_help_says_what_the_json_is() {

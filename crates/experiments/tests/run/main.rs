@@ -273,6 +273,14 @@ fn cells_that_differ_in_how_they_evaluate_must_be_chosen_from() {
     let report = bench.json(&["report", "out", "--format", "json"]);
     assert_eq!(with("reach=far")[0]["spl"]["mean"], report[1]["spl"]["mean"]);
     assert_ne!(with("reach=near")[0]["spl"]["mean"], report[1]["spl"]["mean"]);
+    let compared = bench.json(&["compare", "out", "--over", "reach", "--format", "json"]);
+    let (near, far) = (&report[0]["mean_speed"]["mean"], &report[1]["mean_speed"]["mean"]);
+    let faster = &compared["contrasts"][0]["mean_speed"]["difference"]["mean"];
+    assert!((faster.as_f64().unwrap() - (far.as_f64().unwrap() - near.as_f64().unwrap())).abs() < 1e-12);
+    assert_eq!(
+        bench.fail(&["compare", "out", "--over", "rech"], 2),
+        "error: no axis `rech` to compare over: must be one of reach, world\n"
+    );
     // What does not differ need not be chosen.
     bench.succeed(&[&other[..], &["--set", "env.reach_radius=1.0"]].concat());
     for (cell, message) in [

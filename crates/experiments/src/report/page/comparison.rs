@@ -1,34 +1,98 @@
-//! Which cell is likely to beat which.
+//! What a change of one axis is worth, and which cell is likely to have more than which.
 
 use headway_stats::Interval;
 
 use super::text::escaped;
-use crate::report::study::{Comparison, Study};
+use crate::episode::Metric;
+use crate::report::contrast::{Contrast, Contrasts, Difference, difference_text, probability_text};
+use crate::report::study::{Ranking, Study};
 use crate::report::table::header_words;
 
-impl Study {
-    /// The probabilities of improvement, a table per metric; nothing where no two cells can be compared.
-    pub(super) fn improvement(&self) -> String {
-        let known = |comparison: &&Comparison| comparison.improvement.iter().flatten().any(Option::is_some);
-        self.comparisons.iter().filter(known).map(|comparison| self.matrix(comparison)).collect()
-    }
+/// The metrics of contrasts.
+const SHOWN: [Metric; 4] = [Metric::Success, Metric::MeanSpeed, Metric::NeedlessDecelerationsPerM, Metric::MeanJerk];
 
-    fn matrix(&self, comparison: &Comparison) -> String {
-        let labels: Vec<String> = (0..self.cells.len()).map(|cell| escaped(&self.label(cell))).collect();
-        let head: String = labels.iter().map(|label| format!("<th scope=\"col\"><span>{label}</span></th>")).collect();
-        let row = |(x, over): (usize, &Vec<Option<Interval>>)| {
-            let cells: String = over.iter().enumerate().map(|(y, over)| cell(x == y, over.as_ref())).collect();
-            format!("<tr><th scope=\"row\">{}</th>{cells}</tr>\n", labels[x])
-        };
-        let rows: String = comparison.improvement.iter().enumerate().map(row).collect();
+impl Study {
+    /// One axis at a time: a table for each, all closed but the first.
+    pub(super) fn contrast_tables(&self) -> String {
+        if self.contrasts.is_empty() {
+            return String::new();
+        }
+        let tables: String =
+            self.contrasts.iter().enumerate().map(|(k, contrasts)| contrast_table(contrasts, k == 0)).collect();
         format!(
-            "<h3>Probability of improvement: {}</h3><p>How likely a run of the row's cell is to score more than a run of the \
-             column's, averaged over the worlds; ties count by half. Bold where the 95 % bootstrap interval over the seeds \
-             leaves out 50 %.</p><div class=\"scroll\" tabindex=\"0\"><table class=\"matrix\"><thead><tr><td></td>{head}</tr>\
-             </thead><tbody>{rows}</tbody></table></div>\n",
-            header_words(comparison.metric).0
+            "<h3>One axis at a time</h3><p>Each level less the first of its axis, all else alike: the mean difference over the \
+             training seeds that both have, paired seed by seed, and its 95 % bootstrap interval; bold where it leaves out 0. \
+             <i>P(more)</i>: how likely a run is to have more than one of the other\u{2019}s. <i>Seeds</i>: in how many of the pairs \
+             it has more.</p>{tables}"
         )
     }
+
+    /// How likely a cell is to have more than another, a table per metric; nothing where no two cells can be compared.
+    pub(super) fn ranking_tables(&self) -> String {
+        self.rankings.iter().map(|ranking| self.matrix(ranking)).collect()
+    }
+
+    fn matrix(&self, ranking: &Ranking) -> String {
+        let labels: Vec<String> = (0..self.cells.len()).map(|cell| escaped(&self.label(cell))).collect();
+        let head: String = labels.iter().map(|label| format!("<th scope=\"col\"><span>{label}</span></th>")).collect();
+        let row = |(x, more): (usize, &Vec<Option<Interval>>)| {
+            let cells: String = more.iter().enumerate().map(|(y, more)| cell(x == y, more.as_ref())).collect();
+            format!("<tr><th scope=\"row\">{}</th>{cells}</tr>\n", labels[x])
+        };
+        let rows: String = ranking.more.iter().enumerate().map(row).collect();
+        format!(
+            "<h3>Probability of more: {}</h3><p>How likely a run of the row's cell is to have more than a run of the \
+             column's, in %, averaged over the worlds; ties count by half. Bold where the 95 % bootstrap interval over the seeds \
+             leaves out 50 %.</p><div class=\"scroll\" tabindex=\"0\"><table class=\"matrix\"><thead><tr><td></td>{head}</tr>\
+             </thead><tbody>{rows}</tbody></table></div>\n",
+            header_words(ranking.metric).0
+        )
+    }
+}
+
+fn contrast_table(contrasts: &Contrasts, is_open: bool) -> String {
+    let Contrasts { over, base, contrasts } = contrasts;
+    let open = if is_open { " open" } else { "" };
+    let metric = |metric: Metric| {
+        let (name, unit) = header_words(metric);
+        let unit = if unit == "%" { "points" } else { &unit };
+        format!(
+            "<th scope=\"col\" class=\"n\">{name}<small>{unit}</small></th><th scope=\"col\" class=\"n\">P(more)</th>\
+             <th scope=\"col\" class=\"n\">seeds</th>"
+        )
+    };
+    let first = contrasts.first();
+    let others = first.iter().flat_map(|c| {
+        c.axes.iter().map(|level| level.axis.as_str()).chain(c.world.is_some().then_some(crate::report::WORLD))
+    });
+    let head: String =
+        others.chain([&**over]).map(|name| format!("<th scope=\"col\">{}</th>", escaped(name))).collect();
+    let metrics: String = SHOWN.map(metric).concat();
+    let rows: String = contrasts.iter().map(contrast_row).collect();
+    let (over, base) = (escaped(over), escaped(base));
+    format!(
+        "<details{open}><summary>{over}: each level less {base}</summary><div class=\"scroll\" tabindex=\"0\"><table class=\"contrast\">\
+         <thead><tr>{head}{metrics}</tr></thead><tbody>{rows}</tbody></table></div></details>\n"
+    )
+}
+
+fn contrast_row(contrast: &Contrast) -> String {
+    let names = contrast.axes.iter().map(|level| &level.level).chain(&contrast.world).chain([&contrast.level]);
+    let names: String = names.map(|name| format!("<th scope=\"row\">{}</th>", escaped(name))).collect();
+    let cells: String = SHOWN.map(|metric| contrast_cells(contrast.difference(metric), metric)).concat();
+    format!("<tr>{names}{cells}</tr>\n")
+}
+
+fn contrast_cells(difference: &Difference, metric: Metric) -> String {
+    let [mean, ends] = difference_text(difference, metric.quantity());
+    let [more, range] = probability_text(difference);
+    let mean = if difference.leaves_out_zero() { format!("<b>{mean}</b>") } else { mean };
+    let Difference { n_more, paired, .. } = difference;
+    format!(
+        "<td class=\"n\">{mean}<small>{ends}</small></td><td class=\"n\">{more}<small>{range}</small></td>\
+         <td class=\"n\">{n_more}/{}</td>",
+        paired.n
+    )
 }
 
 fn cell(is_same: bool, over: Option<&Interval>) -> String {

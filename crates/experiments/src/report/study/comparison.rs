@@ -13,10 +13,12 @@ use crate::report::RunRow;
 /// Where profiles are evaluated.
 const N_TAUS: usize = 101;
 
-/// The metrics that cells are compared in: scores from 0 to 1 of which more is better.
-pub(crate) const COMPARED: [Metric; 2] = [Metric::Success, Metric::Spl];
+/// The scores that cells are compared in: from 0 to 1, of which more is better.
+const SCORES: [Metric; 2] = [Metric::Success, Metric::Spl];
+/// The metrics of which cells are said to have more than others.
+const RANKED: [Metric; 3] = [Metric::Success, Metric::Spl, Metric::MeanSpeed];
 
-/// One metric, cell by cell; `None` for cells without a run of which it is known in every world.
+/// One score, cell by cell; `None` for cells without a run of which it is known in every world.
 #[derive(Debug, Clone)]
 pub(crate) struct Comparison {
     pub(crate) metric: Metric,
@@ -24,8 +26,14 @@ pub(crate) struct Comparison {
     pub(crate) iqm: Vec<Option<Aggregate>>,
     /// The share of runs above each score.
     pub(crate) profiles: Vec<Vec<Point>>,
+}
+
+/// How likely a run of one cell is to have more of a metric than a run of another.
+#[derive(Debug, Clone)]
+pub(crate) struct Ranking {
+    pub(crate) metric: Metric,
     /// Of the row's cell over the column's; `None` where their worlds or their number do not allow it.
-    pub(crate) improvement: Vec<Vec<Option<Interval>>>,
+    pub(crate) more: Vec<Vec<Option<Interval>>>,
 }
 
 /// An aggregate over runs and worlds.
@@ -48,22 +56,43 @@ fn whole(how: Bootstrap) -> Bootstrap {
 }
 
 impl Comparison {
-    /// The comparison of cells, each given by its runs.
-    pub(super) fn new(metric: Metric, cells: &[&[RunRow]]) -> Result<Self, Error> {
-        let arms: Vec<Arm<'_>> = cells.iter().map(|runs| Arm::new(metric, runs)).collect();
-        let profiles = arms.iter().map(Arm::profile).collect::<Result<_, Error>>()?;
-        let mut improvement = vec![vec![None; arms.len()]; arms.len()];
+    /// The comparisons of cells in all scores, each cell given by its runs.
+    pub(super) fn all(cells: &[&[RunRow]]) -> Result<Vec<Self>, Error> {
+        SCORES.into_iter().map(|metric| Self::new(metric, &arms(metric, cells))).collect()
+    }
+
+    fn new(metric: Metric, arms: &[Arm<'_>]) -> Result<Self, Error> {
+        let profiles = arms.iter().map(Arm::profile).collect::<Result<_, _>>()?;
+        Ok(Self { metric, iqm: arms.iter().map(Arm::iqm).collect(), profiles })
+    }
+}
+
+impl Ranking {
+    /// The rankings of cells in all metrics that tell anything of two of them, each cell given by its runs.
+    pub(super) fn all(cells: &[&[RunRow]]) -> Result<Vec<Self>, Error> {
+        let rankings = RANKED.into_iter().map(|metric| Self::new(metric, &arms(metric, cells)));
+        let mut rankings = rankings.collect::<Result<Vec<_>, _>>()?;
+        rankings.retain(|ranking| ranking.more.iter().flatten().any(Option::is_some));
+        Ok(rankings)
+    }
+
+    fn new(metric: Metric, arms: &[Arm<'_>]) -> Result<Self, Error> {
+        let mut more = vec![vec![None; arms.len()]; arms.len()];
         for (i, x) in arms.iter().enumerate() {
             for (j, y) in arms.iter().enumerate().skip(i + 1) {
-                let over = x.improvement(y)?;
-                improvement[i][j] = over;
+                let over = x.more(y)?;
+                more[i][j] = over;
                 // Pairs are counted once, ties by half: the other direction is what remains.
-                improvement[j][i] =
+                more[j][i] =
                     over.map(|over| Interval { point: 1.0 - over.point, low: 1.0 - over.high, high: 1.0 - over.low });
             }
         }
-        Ok(Self { metric, iqm: arms.iter().map(Arm::iqm).collect(), profiles, improvement })
+        Ok(Self { metric, more })
     }
+}
+
+fn arms<'a>(metric: Metric, cells: &[&'a [RunRow]]) -> Vec<Arm<'a>> {
+    cells.iter().map(|runs| Arm::new(metric, runs)).collect()
 }
 
 impl<'a> Arm<'a> {
@@ -99,7 +128,7 @@ impl<'a> Arm<'a> {
         Ok(taus.into_iter().zip(&shares).map(point).collect())
     }
 
-    fn improvement(&self, other: &Self) -> Result<Option<Interval>, Error> {
+    fn more(&self, other: &Self) -> Result<Option<Interval>, Error> {
         let (Some(x), Some(y)) = (&self.scores, &other.scores) else { return Ok(None) };
         if self.worlds != other.worlds || !self.has_spread() || !other.has_spread() {
             return Ok(None);

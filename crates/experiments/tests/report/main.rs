@@ -1,5 +1,7 @@
 //! What `report` prints of a results folder, to the letter.
 
+mod contrasts;
+
 use std::path::Path;
 
 use headway_experiments::collapse::Collapse;

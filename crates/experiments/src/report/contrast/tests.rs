@@ -1,0 +1,119 @@
+use super::*;
+use crate::report::{Interval as Intervals, Policy};
+use crate::store::TrainKey;
+
+fn summary(success: f64, spl: Option<f64>) -> SeedSummary {
+    SeedSummary { success: Some(success), spl, n_episodes: 4, ..SeedSummary::of(&[]) }
+}
+
+/// A run of a cell in the worlds `a` and `b`.
+fn run(levels: [(&str, &str); 2], seed: u64, a: Option<SeedSummary>, b: Option<SeedSummary>) -> RunRow {
+    RunRow {
+        axes: levels.map(|(axis, level)| AxisLevel { axis: axis.into(), level: level.into() }).into(),
+        seed,
+        train_id: TrainKey { spec: &levels, seed, reward_version: 1 }.id().unwrap(),
+        summaries: vec![("a".into(), a), ("b".into(), b)],
+        policy: Policy::NotTrained,
+        collapse: Vec::new(),
+    }
+}
+
+fn report(runs: Vec<RunRow>) -> Report {
+    Report {
+        axes: vec!["reward".into(), "agent".into()],
+        rows: Vec::new(),
+        n_complete: runs.len(),
+        n_runs: runs.len(),
+        runs,
+        interval: Intervals::Seeds,
+        warnings: Vec::new(),
+    }
+}
+
+/// Rewards R and S with DQN, of as many seeds as there are successes in world `a`; the same in world `b` less 0.25.
+fn two_rewards(r: &[f64], s: &[f64]) -> Report {
+    let cell = |reward, successes: &[f64]| {
+        let of = |(seed, success): (usize, &f64)| {
+            let there = |success| Some(summary(success, Some(0.5)));
+            run([("reward", reward), ("agent", "DQN")], seed as u64, there(*success), there(success - 0.25))
+        };
+        successes.iter().enumerate().map(of).collect::<Vec<_>>()
+    };
+    report([cell("R", r), cell("S", s)].concat())
+}
+
+#[test]
+fn worked_by_hand() {
+    let contrasts = two_rewards(&[0.25, 0.75, 0.5], &[0.5, 0.75, 1.0]).contrasts("reward", None).unwrap();
+    assert_eq!((&*contrasts.over, &*contrasts.base, contrasts.contrasts.len()), ("reward", "R", 2));
+    let in_a = &contrasts.contrasts[0];
+    assert_eq!((&*in_a.level, in_a.world.as_deref(), in_a.n_seeds), ("S", Some("a"), 3));
+    assert_eq!(in_a.axes, [AxisLevel { axis: "agent".into(), level: "DQN".into() }]);
+    let success = in_a.difference(Metric::Success);
+    // 0.25, 0 and 0.5, seed by seed; each of them has more than 1 / 27 of the resamples to itself.
+    let paired = Estimate { mean: Some(0.25), low: Some(0.0), high: Some(0.5), n: 3 };
+    assert_eq!((success.paired, success.n_more, success.leaves_out_zero()), (paired, 2, false));
+    // 0.5 beats one and ties one of three, 0.75 beats two and ties one, 1 beats all: 1.5 + 2.5 + 3 of 9.
+    assert!((success.more.unwrap().point - 7.0 / 9.0).abs() < 1e-15);
+    // All alike: nothing but ties.
+    let spl = in_a.difference(Metric::Spl);
+    assert_eq!((spl.paired.mean, spl.n_more, spl.more.unwrap().point), (Some(0.0), 0, 0.5));
+    assert_eq!(in_a.difference(Metric::MeanSpeed).paired.n, 0);
+}
+
+#[test]
+fn the_base_can_be_chosen_and_turns_the_signs() {
+    let report = two_rewards(&[0.25, 0.75, 0.5], &[0.5, 0.75, 1.0]);
+    let (forth, back) = (report.contrasts("reward", None).unwrap(), report.contrasts("reward", Some("S")).unwrap());
+    let mean = |contrasts: &Contrasts| contrasts.contrasts[1].difference(Metric::Success).paired.mean.unwrap();
+    assert_eq!((&*back.base, &*back.contrasts[1].level), ("S", "R"));
+    assert_eq!(mean(&forth), -mean(&back));
+}
+
+#[test]
+fn worlds_are_compared_policy_by_policy() {
+    let contrasts = two_rewards(&[0.25, 0.75, 0.5], &[0.5, 0.75, 1.0]).contrasts(WORLD, None).unwrap();
+    assert_eq!(contrasts.contrasts.len(), 2); // one for each cell
+    for contrast in &contrasts.contrasts {
+        let success = contrast.difference(Metric::Success);
+        assert_eq!((&*contrast.level, &contrast.world, contrast.axes.len()), ("b", &None, 2));
+        assert_eq!(success.paired, Estimate { mean: Some(-0.25), low: Some(-0.25), high: Some(-0.25), n: 3 });
+        assert!(success.leaves_out_zero());
+    }
+}
+
+#[test]
+fn only_seeds_that_both_have_are_paired() {
+    let r = |seed, success| run([("reward", "R"), ("agent", "DQN")], seed, success, None);
+    let s = |seed, success| run([("reward", "S"), ("agent", "DQN")], seed, success, None);
+    let there = |success| Some(summary(success, None));
+    let runs = vec![r(0, there(0.0)), r(1, None), r(5, there(0.5)), s(0, None), s(5, there(0.75)), s(7, there(1.0))];
+    let contrasts = report(runs).contrasts("reward", None).unwrap();
+    let [in_a, in_b] = &contrasts.contrasts[..] else { panic!("two worlds") };
+    let success = in_a.difference(Metric::Success);
+    assert_eq!((in_a.n_seeds, in_b.n_seeds), (1, 0));
+    assert_eq!((success.paired.mean, success.paired.low, success.more), (Some(0.25), None, None));
+    assert_eq!(in_a.difference(Metric::Spl).paired.n, 0);
+}
+
+#[test]
+fn all_else_is_alike() {
+    let cell =
+        |reward, agent, success| run([("reward", reward), ("agent", agent)], 0, Some(summary(success, None)), None);
+    // S was not run with DDQN, R not with a third agent.
+    let runs = vec![cell("R", "DQN", 0.1), cell("R", "DDQN", 0.2), cell("S", "DQN", 0.4), cell("S", "third", 0.8)];
+    let contrasts = report(runs).contrasts("reward", None).unwrap();
+    let in_a: Vec<_> = contrasts.contrasts.iter().filter(|c| c.world.as_deref() == Some("a")).collect();
+    assert_eq!(in_a.len(), 1);
+    assert_eq!(in_a[0].axes[0].level, "DQN");
+    assert!((in_a[0].difference(Metric::Success).paired.mean.unwrap() - 0.3).abs() < 1e-15);
+}
+
+#[test]
+fn refusals_name_what_there_is() {
+    let report = two_rewards(&[0.5], &[0.5]);
+    let refusal = |over, base| report.contrasts(over, base).unwrap_err().to_string();
+    assert_eq!(refusal("gamma", None), "no axis `gamma` to compare over: must be one of reward, agent, world");
+    assert_eq!(refusal("reward", Some("T")), "axis `reward` has no level `T`: must be one of R, S");
+    assert_eq!(refusal("agent", None), "axis `agent` has one level only: nothing to compare");
+}
