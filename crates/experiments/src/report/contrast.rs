@@ -54,8 +54,9 @@ pub struct Difference {
     /// In how many of these seeds the level has more.
     #[serde(rename = "seeds_more")]
     pub n_more: usize,
-    /// How likely a run of the level is to have more than a run of the base, ties by half, with its 95 % bootstrap interval over
-    /// the seeds: the probability of improvement (Agarwal et al., 2021), if more is better. From three seeds on.
+    /// How likely a run of the level is to have more than a run of the base, ties by half, with its 95 % bootstrap interval, for
+    /// which the seeds of the two are redrawn independently: the probability of improvement (Agarwal et al., 2021, section 4.3),
+    /// if more is better. From three seeds on.
     pub more: Option<Interval>,
 }
 

@@ -121,10 +121,10 @@ impl Study {
 
     fn sections(&self, figures: &Figures) -> String {
         let Figures { intervals, comparison, curves, clearance } = figures;
-        let beside = self.contrast_tables() + &self.ranking_tables();
         [
             section("intervals", "Intervals", intervals, ""),
-            section("comparison", "Cells beside each other", comparison, &beside),
+            section("contrasts", "One axis at a time", &[], &self.contrast_tables()),
+            section("comparison", "Cells beside each other", comparison, &self.ranking_tables()),
             section("curves", "Learning curves", curves, ""),
             section("clearance", "Speed against clearance", clearance, ""),
         ]

@@ -20,7 +20,7 @@ impl Study {
         let tables: String =
             self.contrasts.iter().enumerate().map(|(k, contrasts)| contrast_table(contrasts, k == 0)).collect();
         format!(
-            "<h3>One axis at a time</h3><p>Each level less the first of its axis, all else alike: the mean difference over the \
+            "<p>Each level less the first of its axis, all else alike: the mean difference over the \
              training seeds that both have, paired seed by seed, and its 95 % bootstrap interval; bold where it leaves out 0. \
              <i>P(more)</i>: how likely a run is to have more than one of the other\u{2019}s. <i>Seeds</i>: in how many of the pairs \
              it has more.</p>{tables}"
