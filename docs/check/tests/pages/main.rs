@@ -1,4 +1,4 @@
-//! README.md and docs/, tried: their command lines, their pieces of specs, and what they quote from the example.
+//! README.md and docs/, tried: their command lines, their pieces of specs, and what they quote.
 
 mod code;
 mod commands;
