@@ -20,7 +20,7 @@ pub use load::load;
 pub use runs::{Policy, RunRow};
 pub use study::{Choice, ControlStep, Drive, DriveSteps, Form, Pick, Scene, Study, Trace, Trajectories, steps};
 
-use headway_stats::{Confidence, Estimate, over_units, wilson};
+use headway_stats::{Bootstrap, Confidence, Estimate, over_units, wilson};
 
 use crate::episode::{EpisodeRecord, Metric, SeedSummary};
 use crate::store::AxisLevel;
@@ -81,16 +81,13 @@ pub struct Row {
 impl Row {
     /// The row of a cell, from the summary of each of its seeds.
     pub fn of_seeds(axes: Vec<AxisLevel>, world: String, seeds: &[SeedSummary]) -> Self {
-        let estimates = Metric::ALL.map(|metric| {
-            let values: Vec<_> = seeds.iter().map(|seed| metric.of(seed)).collect();
-            over_units(&values)
-        });
+        let over_seeds = |metric: Metric| over_units(seeds.iter().map(|seed| metric.of(seed)), &Bootstrap::default());
         Self {
             axes,
             world,
             n_seeds: seeds.len(),
             n_episodes: seeds.iter().map(|seed| seed.n_episodes).sum(),
-            estimates,
+            estimates: Metric::ALL.map(over_seeds),
             wilson: [None; Metric::ALL.len()],
             collapsed: Collapsed::default(),
         }

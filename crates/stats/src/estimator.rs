@@ -76,14 +76,13 @@ fn interquartile_mean(values: &mut [f64]) -> f64 {
     mean(&values[cut..][..n_middle])
 }
 
-/// An estimate with its stratified bootstrap interval: runs are redrawn with replacement *within each task*, so that
-/// every resample has N scores of every task, and the interval runs between quantiles of their estimates (Agarwal et
-/// al., 2021, section 4.1).
+/// An estimate with its bootstrap interval: runs are redrawn with replacement, so that every resample has N scores of every
+/// task, and the interval runs between quantiles of their estimates (Agarwal et al., 2021, section 4.1).
 ///
-/// It says what other seeds would have given in the same tasks, not how other tasks would have gone. It takes a run's
-/// scores in different tasks for independent: true where every task has policies of its own; where one policy drives
-/// in all, its luck is shared, and whole runs must be redrawn: [`Redrawn::WholeRuns`](crate::Redrawn). Not for fewer than three
-/// runs.
+/// It says what other seeds would have given in the same tasks, not how other tasks would have gone. Runs are redrawn within
+/// each task unless `how` says otherwise ([`Bootstrap::redrawing`]): that takes a run's scores in different tasks for
+/// independent, which is true where every task has policies of its own. Where one policy drives in all, its luck is shared,
+/// and whole runs must be redrawn: [`Redrawn::WholeRuns`](crate::Redrawn). Not for fewer than three runs.
 ///
 /// ```
 /// use headway_stats::{Bootstrap, Estimator, Scores, stratified_bootstrap};

@@ -28,12 +28,13 @@ pub fn probability_of_improvement(x: &Scores, y: &Scores) -> Result<f64, StatsEr
     Ok(pair.probability())
 }
 
-/// The [probability of improvement](probability_of_improvement) with its stratified bootstrap interval: in every
-/// resample the runs of both arms are redrawn, independently, within each task.
+/// The [probability of improvement](probability_of_improvement) with its bootstrap interval: in every resample the runs of
+/// both arms are redrawn, independently of each other, within each task or whole, as `how` says
+/// ([`Bootstrap::redrawing`]).
 ///
 /// X is better beyond the luck of the seeds where the interval lies above 1/2. Not for fewer than three runs of either
-/// arm, and too wide or narrow where one policy drives in all tasks (see
-/// [`stratified_bootstrap`](crate::stratified_bootstrap)).
+/// arm. Where one policy drives in all tasks, redraw whole runs: within each task, the interval comes out too narrow or too
+/// wide.
 ///
 /// # Errors
 /// If the arms differ in the number of tasks.

@@ -2,9 +2,9 @@
 //!
 //! The *unit* is what was drawn independently: the training seed, for all episodes of a policy share its luck, and
 //! pooled episodes would give intervals that are far too narrow. Scores stand in a matrix, [`Scores`], of N runs (one
-//! per seed) by M tasks (worlds, scenarios), and intervals come from redrawing the runs within each task (Agarwal,
-//! Schwarzer, Castro, Courville & Bellemare, 2021, "Deep Reinforcement Learning at the Edge of the Statistical
-//! Precipice").
+//! per seed) by M tasks (worlds, scenarios), and intervals come from redrawing the runs. [`Redrawn`] says how: within each
+//! task, as do Agarwal, Schwarzer, Castro, Courville & Bellemare (2021, "Deep Reinforcement Learning at the Edge of the
+//! Statistical Precipice"), where every task has policies of its own; whole, where one policy drives in all tasks.
 //!
 //! | question | answer |
 //! |---|---|

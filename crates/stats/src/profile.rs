@@ -14,8 +14,9 @@ pub enum Profile {
 }
 
 /// A performance profile: at each tau the share of scores above it, `F(tau) = 1/(N M) sum 1[x_nm > tau]`, with its
-/// pointwise stratified bootstrap interval (Agarwal et al., 2021, section 4.2; after Dolan & Moré, 2002). In the order
-/// of `taus`.
+/// pointwise bootstrap interval (Agarwal et al., 2021, section 4.2; after Dolan & Moré, 2002). In the order of `taus`.
+///
+/// Resamples redraw the runs within each task, or whole, as `how` says ([`Bootstrap::redrawing`]).
 ///
 /// Where the profile of X lies above that of Y at every tau, X is better by every monotone measure. The bands are
 /// pointwise: at 95 %, a curve of many taus leaves its band somewhere more often than once in twenty. Not for fewer

@@ -148,7 +148,7 @@ impl<'a> Arm<'a> {
             level: self.level.clone(),
             n_seeds: pairs.len(),
             differences: Metric::ALL.map(|metric| {
-                let less: Vec<_> = pairs.iter().map(|(x, y)| Some(metric.of(x)? - metric.of(y)?)).collect();
+                let less: Vec<Option<f64>> = pairs.iter().map(|(x, y)| Some(metric.of(x)? - metric.of(y)?)).collect();
                 let n_more = less.iter().flatten().filter(|less| **less > 0.0).count();
                 let scores = |arm: &Self| {
                     let rows: Vec<_> =
@@ -157,7 +157,7 @@ impl<'a> Arm<'a> {
                 };
                 let both = scores(self).zip(scores(base));
                 let more = both.and_then(|(x, y)| improvement_bootstrap(&x, &y, &Bootstrap::default()).ok());
-                Difference { paired: over_units(&less), n_more, more }
+                Difference { paired: over_units(less.iter().copied(), &Bootstrap::default()), n_more, more }
             }),
         }
     }

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::{Clip, Reference, Run};
 use crate::episode::Outcome;
-use headway_stats::{Clustered, Estimate, clustered, over_units};
+use headway_stats::{Bootstrap, Clustered, Estimate, clustered, over_units};
 
 /// 95 % intervals of the figures of all worlds for other worlds like these: runs of one world are alike, so that intervals over
 /// the runs are too narrow for that.
@@ -37,7 +37,7 @@ impl OverWorlds {
                 let optimal = reference.optimal_time();
                 Some(runs.iter().map(|run| clip.score(optimal, run)).sum::<f64>() / runs.len() as f64)
             };
-            over_units(&worlds.iter().map(mean).collect::<Vec<_>>())
+            over_units(worlds.iter().map(mean), &Bootstrap::default())
         };
         Some(Self {
             n_worlds: worlds.len(),

@@ -1,11 +1,9 @@
 //! Means over seeds with bands, as curves show them.
 
-use headway_stats::{Bootstrap, Interval, bootstrap};
+use headway_stats::{Bootstrap, Estimate, over_units};
 
 /// Resamples behind each point of a band: it is drawn, not read off.
 pub(super) const N_RESAMPLES: usize = 2000;
-/// Fewest units for which there is a band.
-pub(super) const MIN_UNITS: usize = 3;
 
 /// A point of a curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,9 +24,6 @@ pub(super) fn resampling() -> Bootstrap {
 
 /// The mean of one value per unit, with the percentile bootstrap interval over the units; `None` without a value.
 pub(super) fn mean_with_band(x: f64, values: &[f64]) -> Option<Point> {
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    let (y, n) = (mean(values), values.len());
-    let is_enough = n >= MIN_UNITS;
-    let band = is_enough.then(|| bootstrap(values, mean, &resampling()).ok().map(Interval::ends)).flatten();
-    (n > 0).then_some(Point { x, y, band, n })
+    let Estimate { mean, low, high, n } = over_units(values.iter().copied().map(Some), &resampling());
+    mean.map(|y| Point { x, y, band: low.zip(high), n })
 }

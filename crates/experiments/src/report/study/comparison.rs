@@ -1,11 +1,11 @@
 //! Cells beside each other, over all seeds and worlds.
 
 use headway_stats::{
-    Bootstrap, Estimator, Interval, Profile, Redrawn, Scores, improvement_bootstrap, performance_profile,
+    Bootstrap, Estimator, Interval, MIN_UNITS, Profile, Redrawn, Scores, improvement_bootstrap, performance_profile,
     stratified_bootstrap,
 };
 
-use super::bands::{MIN_UNITS, Point, resampling};
+use super::bands::{Point, resampling};
 use crate::Error;
 use crate::episode::Metric;
 use crate::report::RunRow;
