@@ -1,5 +1,6 @@
 //! Numbers of which a part is drawn: ranges, counts, kinds.
 
+use std::fmt;
 use std::ops::RangeInclusive;
 
 use rand::RngExt;
@@ -35,15 +36,34 @@ impl Interval {
         }
     }
 
-    pub(crate) fn check(&self, field: &str, number: fn(&str, f64) -> Result<(), FieldError>) -> Result<(), FieldError> {
+    /// Checks both ends as a number would be, and their order.
+    ///
+    /// # Errors
+    /// What `number` says of an end under the name of the field, or that the upper end comes first.
+    ///
+    /// ```
+    /// use headway_sim::{Interval, check::non_negative};
+    /// let check = |interval: Interval| interval.check("speed", non_negative).map_err(|error| error.to_string());
+    /// assert_eq!(check(Interval::Range([0.0, 1.0])), Ok(()));
+    /// assert_eq!(check(Interval::Range([2.0, 1.0])).unwrap_err(), "speed = [2, 1]: must be a range with its lower end first");
+    /// ```
+    pub fn check(&self, field: &str, number: fn(&str, f64) -> Result<(), FieldError>) -> Result<(), FieldError> {
         let (low, high) = self.bounds().into_inner();
         number(field, low)?;
         number(field, high)?;
         if low > high {
-            let value = format!("[{low}, {high}]");
-            return Err(FieldError::new(field, value, "a range with its lower end first"));
+            return Err(FieldError::new(field, self, "a range with its lower end first"));
         }
         Ok(())
+    }
+}
+
+impl fmt::Display for Interval {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Fixed(value) => write!(f, "{value}"),
+            Self::Range([low, high]) => write!(f, "[{low}, {high}]"),
+        }
     }
 }
 
