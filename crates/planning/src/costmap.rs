@@ -1,7 +1,6 @@
 //! What it costs to be near what the scans have marked.
 
 mod inflation;
-mod outline;
 
 use std::collections::VecDeque;
 
@@ -9,10 +8,10 @@ use headway_sim::check::{non_negative, positive, within};
 use headway_sim::{FieldError, Footprint, Point, Pose, Shape};
 use serde::{Deserialize, Serialize};
 
+use crate::outline::Outline;
 use crate::scan_map::{Area, Window};
 use crate::{ScanMap, ScanMapSpec, Sensed};
 use inflation::Kernel;
-pub(crate) use outline::Outline;
 
 /// The cost of a marked cell.
 pub const LETHAL: u8 = 254;
@@ -225,7 +224,7 @@ impl Costmap {
     fn know(&mut self, vehicle: &Shape) {
         let shape = self.spec.footprint.as_ref().unwrap_or(vehicle);
         if self.vehicle.as_ref().is_none_or(|vehicle| vehicle.shape != *shape) {
-            let outline = Outline::new(shape, self.spec.padding);
+            let outline = Outline::padded(shape, self.spec.padding);
             let kernel = Kernel::new(&self.spec, outline.inradius());
             self.vehicle = Some(Inflated { shape: shape.clone(), outline, kernel });
             self.window = Window::default();

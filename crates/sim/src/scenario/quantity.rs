@@ -7,6 +7,7 @@ use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
 use crate::FieldError;
+use crate::check::{non_negative, positive};
 
 /// A number, or a range from which one is drawn uniformly: `2.5` or `[2.0, 3.0]`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -92,5 +93,16 @@ pub struct Kinds {
 impl Default for Kinds {
     fn default() -> Self {
         Self { disc: 1.0, r#box: 0.0, polygon: 0.0 }
+    }
+}
+
+impl Kinds {
+    /// Checks the weights of a spec's field `kinds`.
+    pub(crate) fn check(&self) -> Result<(), FieldError> {
+        let Self { disc, r#box, polygon } = *self;
+        for (field, weight) in [("kinds.disc", disc), ("kinds.box", r#box), ("kinds.polygon", polygon)] {
+            non_negative(field, weight)?;
+        }
+        positive("kinds (their sum)", disc + r#box + polygon)
     }
 }
