@@ -65,7 +65,7 @@ impl RunSpec {
     fn check_policy(&self) -> Result<Option<Policy>, Fault> {
         if let Some(driver) = self.policy.driver() {
             driver.build().map_err(|error| of_field(&error.under("policy")))?;
-            driver.suits(&self.vehicle).map_err(|error| of_field(&error.under("policy")))?;
+            driver.suits(&self.vehicle).map_err(|error| of_field(&error.under("vehicle")))?;
         }
         if let Some(shield) = self.shield() {
             shield.build(PurePursuit::default()).map_err(|error| of_field(&error.under("evaluate.shield")))?;

@@ -229,11 +229,16 @@ impl<'a> Step<'a> {
     fn of(set: &'a Assignment) -> Self {
         Self { path: set.path.clone(), value: &set.value, origin: Origin::CommandLine }
     }
+
+    /// What it replaces: a `preset` stands for the table that it is in.
+    fn reach(&self) -> KeyPath {
+        if self.path.last() == "preset" { self.path.parent() } else { self.path.clone() }
+    }
 }
 
 /// The last of `steps` that changed the value at `path`, something in it, or what holds it.
 fn last_to_touch<'s, 'v>(path: &KeyPath, steps: &'s [Step<'v>]) -> Option<&'s Step<'v>> {
-    steps.iter().rev().find(|step| step.path.is_prefix_of(path) || path.is_prefix_of(&step.path))
+    steps.iter().rev().find(|step| step.reach().is_prefix_of(path) || path.is_prefix_of(&step.path))
 }
 
 impl Fault {
