@@ -24,9 +24,9 @@ pub const INSCRIBED: u8 = 253;
 pub struct CostmapSpec {
     /// The map of marks below.
     pub map: ScanMapSpec,
-    /// The outline to plan with; the vehicle's own where there is none.
+    /// The outline to plan with, no point of it farther than 100 m away; the vehicle's own where there is none.
     pub footprint: Option<Shape>,
-    /// By how much that is made larger, metres.
+    /// By how much that is made larger, metres, from 0 to 10.
     pub padding: f64,
     /// Distance from marks within which a cell costs something, metres; never less than the padded footprint's
     /// inscribed radius. At most 200 cells.
@@ -65,9 +65,10 @@ impl CostmapSpec {
     pub fn check(&self) -> Result<(), FieldError> {
         self.map.check().map_err(|e| e.under("map"))?;
         if let Some(shape) = &self.footprint {
-            Footprint::new(shape).map_err(|e| e.under("footprint"))?;
+            let footprint = Footprint::new(shape).map_err(|e| e.under("footprint"))?;
+            within("footprint (its circumradius)", footprint.circumradius(), 0.0, 100.0)?;
         }
-        non_negative("padding", self.padding)?;
+        within("padding", self.padding, 0.0, 10.0)?;
         within("inflation_radius", self.inflation_radius, 0.0, 200.0 * self.map.cell)?;
         positive("cost_scaling", self.cost_scaling)?;
         non_negative("update_period", self.update_period)?;
