@@ -86,7 +86,7 @@ impl ActionSpec {
             Self::Accelerate { .. } => straight(),
         };
         let most = vehicle.drive.max_lateral_speed();
-        check_list("lateral_speeds", &lateral_speeds, -most, most)?;
+        check_list("lateral_speeds", &lateral_speeds, 0.0 - most, most)?;
         let mirror = |field: &str, numbers: &[f64]| {
             if is_mirrored { mirror_images(field, numbers) } else { Ok((0..numbers.len()).collect()) }
         };
@@ -217,7 +217,7 @@ mod tests {
         assert_eq!(actions.command(8, 0.0, Side::AsSeen), Command { lateral_speed: 0.4, ..Command::new(0.5, -1.0) });
         assert_eq!(actions.command(8, 0.0, Side::Mirrored), Command { lateral_speed: -0.4, ..Command::new(0.5, 1.0) });
         let error = spec.build(&VehicleSpec::default(), &Control::Full {}, true).unwrap_err();
-        assert_eq!(error.to_string(), "lateral_speeds.0 = -0.4: must be from -0 to 0, the vehicle's limits");
+        assert_eq!(error.to_string(), "lateral_speeds.0 = -0.4: must be from 0 to 0, the vehicle's limits");
     }
 
     #[test]

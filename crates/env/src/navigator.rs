@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
 use crate::robot::Robot;
-use crate::{Control, EnvError, GoalHandling, History, Mdp};
+use crate::{EnvError, GoalHandling, History, Mdp};
 
 /// One vehicle in one scenario of an MDP. It is not reset by itself.
 #[derive(Debug, Clone)]
@@ -137,7 +137,8 @@ impl Navigator {
         self.mdp = mdp;
     }
 
-    /// Takes an action of the MDP's set, chosen on the present observation.
+    /// Takes an action of the MDP's set, chosen on the present observation: what it means is decided by what is sensed alone,
+    /// as on a robot.
     ///
     /// # Errors
     /// If a new goal is due and none can be found.
@@ -145,13 +146,9 @@ impl Navigator {
     /// # Panics
     /// If there is no such action.
     pub fn act(&mut self, action: u32) -> Result<StepEnd, EnvError> {
-        let speed = self.state.vehicle.twist.x;
-        let mut command = self.mdp.actions.command(action, speed, self.mdp.encoder.side(&self.sensed()));
-        if let Control::SpeedOnly { pursuit } = &self.mdp.control {
-            let sensed = self.sensed();
-            let turning_radius = sensed.vehicle.drive.turning_radius();
-            command = pursuit.follow(&sensed.route_or_straight(), &sensed.pose, command.speed, turning_radius);
-        }
+        let sensed = self.sensed();
+        let asked = self.mdp.actions.command(action, sensed.twist.x, self.mdp.encoder.side(&sensed));
+        let command = self.mdp.control.command(asked, &sensed);
         self.drive(command)
     }
 

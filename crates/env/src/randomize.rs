@@ -1,6 +1,7 @@
 //! Numbers that differ from episode to episode.
 
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
 use headway_sensors::{LidarSpec, OdometrySpec};
 use headway_sim::{FieldError, VehicleSpec, stream};
@@ -60,17 +61,19 @@ impl Distribution {
         }
     }
 
-    /// The greatest number that it draws, before it is rounded where only whole numbers are meant.
+    /// The least and the greatest number that it draws, before they are rounded where only whole numbers are meant.
     ///
     /// ```
     /// use headway_env::Distribution;
-    /// assert_eq!(Distribution::Uniform([0.1, 0.3]).greatest(), 0.3);
-    /// assert_eq!(Distribution::Normal([0.5, 0.25]).greatest(), 1.25);
-    /// assert_eq!(Distribution::Choice(vec![2.0, 4.0, 3.0]).greatest(), 4.0);
+    /// assert_eq!(Distribution::Uniform([0.1, 0.3]).bounds(), 0.1..=0.3);
+    /// assert_eq!(Distribution::Normal([0.5, 0.125]).bounds(), 0.125..=0.875);
+    /// assert_eq!(Distribution::Choice(vec![3.0, 4.0, 2.0]).bounds(), 2.0..=4.0);
     /// ```
     #[must_use]
-    pub fn greatest(&self) -> f64 {
-        self.extremes().into_iter().fold(f64::NEG_INFINITY, f64::max)
+    pub fn bounds(&self) -> RangeInclusive<f64> {
+        let extremes = self.extremes();
+        let least = extremes.iter().copied().fold(f64::INFINITY, f64::min);
+        least..=extremes.into_iter().fold(f64::NEG_INFINITY, f64::max)
     }
 
     fn is_sound(&self) -> bool {

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use headway_planning::{PurePursuit, ScanPlannerSpec};
+use headway_planning::{PurePursuit, ScanPlannerSpec, Sensed};
 use headway_reward::Reward;
 use headway_sensors::{LidarSpec, ObstacleAngleSpec, OdometrySpec};
 use headway_sim::FieldError;
 use headway_sim::check::{non_negative, positive, within};
-use headway_sim::{VehicleSpec, WorldSpec};
+use headway_sim::{Command, VehicleSpec, WorldSpec};
 use serde::{Deserialize, Serialize};
 
 use crate::{ActionSpec, ObservationSpec, RandomizeSpec};
@@ -181,6 +181,19 @@ impl Control {
         match self {
             Self::Full {} => Ok(()),
             Self::SpeedOnly { pursuit } => pursuit.check().map_err(|e| e.under("pursuit")),
+        }
+    }
+
+    /// What the vehicle is told when the agent asks for a command: that, or what steers at its speed along the route, or along
+    /// the straight line to the goal where there is none.
+    #[must_use]
+    pub fn command(&self, asked: Command, sensed: &Sensed<'_>) -> Command {
+        match self {
+            Self::Full {} => asked,
+            Self::SpeedOnly { pursuit } => {
+                let turning_radius = sensed.vehicle.drive.turning_radius();
+                pursuit.follow(&sensed.route_or_straight(), &sensed.pose, asked.speed, turning_radius)
+            }
         }
     }
 }

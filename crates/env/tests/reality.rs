@@ -4,7 +4,8 @@
 use std::sync::Arc;
 
 use headway_env::{
-    Distribution, Env, EnvSpec, Event, GoalHandling, NavEnv, NavSpec, Navigator, ObservationSpec, RouteSource, Step,
+    ActionSpec, Distribution, Env, EnvSpec, Event, GoalHandling, NavEnv, NavSpec, Navigator, ObservationSpec,
+    RouteSource, Step,
 };
 use headway_planning::ScanPlannerSpec;
 use headway_sensors::{LidarSpec, OdometrySpec};
@@ -170,4 +171,19 @@ fn beliefs_drift_and_what_is_seen_stays_where_it_is() {
         ];
         assert!((seen - real).norm() < 1e-9);
     }
+}
+
+/// What "faster" means was decided by the true speed in training, and on a robot by the one that odometry tells.
+#[test]
+fn actions_start_from_what_is_sensed() {
+    let odometry = OdometrySpec { distance_bias: 0.2, ..OdometrySpec::default() };
+    let actions = ActionSpec::Accelerate { yaw_rates: vec![0.0] };
+    let spec = NavSpec { odometry, env: EnvSpec { actions, ..EnvSpec::default() }, ..NavSpec::default() };
+    let mut vehicle = Navigator::new(spec.build().unwrap(), 3, 0).unwrap();
+    let [_, keep, faster] = [0, 1, 2];
+    vehicle.act(faster).unwrap();
+    let believed = vehicle.sensed().twist.x;
+    assert_ne!(believed, vehicle.vehicle().twist.x);
+    vehicle.act(keep).unwrap();
+    assert_eq!(vehicle.sensed().last_command, Command::new(believed, 0.0));
 }

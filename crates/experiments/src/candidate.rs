@@ -148,7 +148,7 @@ impl Candidate {
                 Box::new(Driver::new(Arc::clone(policy), vehicle, lidar).map_err(|error| input(&error))?)
             }
             Who::Driver(spec) => {
-                spec.suits(vehicle).map_err(|error| input(&error.under("policy")))?;
+                spec.suits(vehicle).map_err(|error| input(&error.under("vehicle")))?;
                 spec.build().map_err(|error| input(&error.under("policy")))?
             }
         };

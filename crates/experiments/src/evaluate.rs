@@ -7,7 +7,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use headway_env::{EnvSpec, Event, Mdp, NavSpec, Navigator, StepEnd};
-use headway_planning::Controller;
+use headway_planning::{Controller, Interventions};
 use headway_policy::{Driver, Policy};
 use headway_sim::{Point, Scenario, stream_seed};
 
@@ -107,12 +107,12 @@ impl ScenarioSet {
             if let Some(outcome) = outcome(&end) {
                 let drawn: Vec<String> = vehicle.drawn().map(|(path, number)| format!("{path}={number}")).collect();
                 let record = meter.finish(index as u64, outcome, *geodesic);
-                let now = driver.interventions();
+                let Interventions { n_commands, n_vetoes, n_stops } = driver.interventions().since(before);
                 return Ok(EpisodeRecord {
                     drawn: drawn.join(" "),
-                    n_shielded: now.n_commands - before.n_commands,
-                    n_vetoes: now.n_vetoes - before.n_vetoes,
-                    n_stops: now.n_stops - before.n_stops,
+                    n_shielded: n_commands,
+                    n_vetoes,
+                    n_stops,
                     ..record
                 });
             }

@@ -156,6 +156,8 @@ fn a_table_says_what_it_rests_on() {
     }
     let shielded = bench.succeed(&with("pure_pursuit", &["--runs", "1", "--shield", "--world", "world_1"]));
     assert!(shielded.contains("shield       margin 0.05 m"), "{shielded}");
+    assert!(shielded.contains("score   score  vetoes   stops\n"), "{shielded}");
+    assert!(shielded.contains("vetoes       commands that the shield") && !table.contains("vetoes"), "{shielded}");
     assert!(shielded.contains("OT from      path files\n"), "{shielded}");
 }
 
@@ -228,6 +230,14 @@ fn a_policy_file_by_the_protocol() {
     let shielded = bench.succeed(&[&args[..], &["--shield"]].concat());
     let shielded: Value = serde_json::from_str(&shielded).unwrap();
     assert_eq!(shielded["worlds"][1]["collision"], 0.0);
+    // Nothing is in the way in the first world; in the second it may turn before the post, and not drive on, for most of the time.
+    let share = |row: &Value, of: &str| row[of].as_f64().unwrap();
+    let [free, post] = [0, 1].map(|world| &shielded["worlds"][world]);
+    assert_eq!((share(free, "vetoes"), share(free, "stops")), (0.0, 0.0));
+    assert!(share(post, "vetoes") > 0.9 && (0.0..1.0).contains(&share(post, "stops")), "{post}");
+    let all = share(&shielded["overall"], "vetoes");
+    assert!(0.0 < all && all < share(post, "vetoes"), "{all}");
+    assert!(report["overall"].get("vetoes").is_none());
 }
 
 #[test]

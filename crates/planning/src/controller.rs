@@ -79,6 +79,25 @@ pub struct Interventions {
     pub n_stops: u64,
 }
 
+impl Interventions {
+    /// Those since an earlier count of the same safety layer.
+    ///
+    /// ```
+    /// use headway_planning::Interventions;
+    /// let [before, now] = [(10, 2, 0), (25, 5, 1)]
+    ///     .map(|(n_commands, n_vetoes, n_stops)| Interventions { n_commands, n_vetoes, n_stops });
+    /// assert_eq!(now.since(before), Interventions { n_commands: 15, n_vetoes: 3, n_stops: 1 });
+    /// ```
+    #[must_use]
+    pub fn since(self, earlier: Self) -> Self {
+        Self {
+            n_commands: self.n_commands - earlier.n_commands,
+            n_vetoes: self.n_vetoes - earlier.n_vetoes,
+            n_stops: self.n_stops - earlier.n_stops,
+        }
+    }
+}
+
 impl<C: Controller + ?Sized> Controller for Box<C> {
     fn reset(&mut self) {
         (**self).reset();

@@ -1,7 +1,6 @@
 //! What it costs to be near what the scans have marked.
 
 mod inflation;
-mod outline;
 
 use std::collections::VecDeque;
 
@@ -9,10 +8,10 @@ use headway_sim::check::{non_negative, positive, within};
 use headway_sim::{FieldError, Footprint, Point, Pose, Shape};
 use serde::{Deserialize, Serialize};
 
+use crate::outline::Outline;
 use crate::scan_map::{Area, Window};
 use crate::{ScanMap, ScanMapSpec, Sensed};
 use inflation::Kernel;
-pub(crate) use outline::Outline;
 
 /// The cost of a marked cell.
 pub const LETHAL: u8 = 254;
@@ -25,9 +24,9 @@ pub const INSCRIBED: u8 = 253;
 pub struct CostmapSpec {
     /// The map of marks below.
     pub map: ScanMapSpec,
-    /// The outline to plan with; the vehicle's own where there is none.
+    /// The outline to plan with, no point of it farther than 100 m away; the vehicle's own where there is none.
     pub footprint: Option<Shape>,
-    /// By how much that is made larger, metres.
+    /// By how much that is made larger, metres, from 0 to 10.
     pub padding: f64,
     /// Distance from marks within which a cell costs something, metres; never less than the padded footprint's
     /// inscribed radius. At most 200 cells.
@@ -66,9 +65,10 @@ impl CostmapSpec {
     pub fn check(&self) -> Result<(), FieldError> {
         self.map.check().map_err(|e| e.under("map"))?;
         if let Some(shape) = &self.footprint {
-            Footprint::new(shape).map_err(|e| e.under("footprint"))?;
+            let footprint = Footprint::new(shape).map_err(|e| e.under("footprint"))?;
+            within("footprint (its circumradius)", footprint.circumradius(), 0.0, 100.0)?;
         }
-        non_negative("padding", self.padding)?;
+        within("padding", self.padding, 0.0, 10.0)?;
         within("inflation_radius", self.inflation_radius, 0.0, 200.0 * self.map.cell)?;
         positive("cost_scaling", self.cost_scaling)?;
         non_negative("update_period", self.update_period)?;
@@ -225,7 +225,7 @@ impl Costmap {
     fn know(&mut self, vehicle: &Shape) {
         let shape = self.spec.footprint.as_ref().unwrap_or(vehicle);
         if self.vehicle.as_ref().is_none_or(|vehicle| vehicle.shape != *shape) {
-            let outline = Outline::new(shape, self.spec.padding);
+            let outline = Outline::padded(shape, self.spec.padding);
             let kernel = Kernel::new(&self.spec, outline.inradius());
             self.vehicle = Some(Inflated { shape: shape.clone(), outline, kernel });
             self.window = Window::default();

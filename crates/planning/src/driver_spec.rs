@@ -1,6 +1,6 @@
 //! Classical drivers by name.
 
-use headway_sim::{FieldError, VehicleSpec};
+use headway_sim::{Drive, FieldError, VehicleSpec};
 use serde::{Deserialize, Serialize};
 
 use crate::{Controller, DwaSpec, PurePursuit, RegulatedPursuitSpec, VfhSpec};
@@ -64,13 +64,24 @@ impl DriverSpec {
     /// Checks that it can drive a vehicle: all but pure pursuit, regulated and plain, turn on the spot now and then.
     ///
     /// # Errors
-    /// If the vehicle cannot do that.
+    /// Names the vehicle's drive if that cannot do it, and who could drive it.
+    ///
+    /// ```
+    /// use headway_planning::DriverSpec;
+    /// let car = headway_sim::VehiclePreset::F1tenth.spec();
+    /// let refusal = DriverSpec::named("vfh").unwrap().suits(&car).unwrap_err();
+    /// assert_eq!((&refusal.field[..], &refusal.value[..]), ("drive.type", "ackermann"));
+    /// assert!(DriverSpec::named("pure_pursuit").unwrap().suits(&car).is_ok());
+    /// ```
     pub fn suits(&self, vehicle: &VehicleSpec) -> Result<(), FieldError> {
         match self {
-            Self::Dwa(_) | Self::Vfh(_) if vehicle.drive.turning_radius() > 0.0 => {
-                let allowed =
-                    "pure_pursuit or plain_pursuit for a vehicle that cannot turn on the spot (vehicle.drive)";
-                Err(FieldError::new("type", self.name(), allowed))
+            Self::Dwa(_) | Self::Vfh(_) if matches!(vehicle.drive, Drive::Ackermann { .. }) => {
+                let allowed = format!(
+                    "differential or omnidirectional for {}, which turns on the spot; of the classical drivers, \
+                     pure_pursuit and plain_pursuit can drive Ackermann vehicles",
+                    self.name()
+                );
+                Err(FieldError::new("drive.type", "ackermann", allowed))
             }
             _ => Ok(()),
         }

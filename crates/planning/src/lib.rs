@@ -23,6 +23,7 @@ mod costmap;
 mod driver_spec;
 mod dwa;
 mod grid;
+mod outline;
 mod planned;
 mod pure_pursuit;
 mod regulated_pursuit;
@@ -32,8 +33,6 @@ mod scan_planner;
 mod search;
 mod shield;
 mod sweep;
-#[cfg(test)]
-mod test_drive;
 #[cfg(test)]
 mod trial;
 mod vfh;

@@ -6,8 +6,9 @@ use headway_sim::check::{non_negative, positive, within};
 use headway_sim::{Command, FieldError, Point, Stretch, Twist};
 use serde::{Deserialize, Serialize};
 
+use crate::outline::Outline;
 use crate::pure_pursuit::steered;
-use crate::sweep::{Front, Outline, Surroundings, Unseen, echoes};
+use crate::sweep::{Front, Surroundings, Unseen, echoes};
 use crate::{Controller, Sensed};
 
 /// The parameters of [`RegulatedPursuit`], under the names that Nav2's controller of that name gives them.

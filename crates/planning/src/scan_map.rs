@@ -9,7 +9,7 @@ use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 use crate::Sensed;
-use crate::costmap::Outline;
+use crate::outline::Outline;
 pub(crate) use window::{Area, Window};
 
 /// How a [`ScanMap`] is made, as data.

@@ -190,7 +190,7 @@ impl ScanPlanner {
 
     /// Distance from the vehicle or its goal within which no cell is closed, metres.
     fn escape_radius(&self) -> f64 {
-        self.costmap.outline().map_or(0.0, crate::costmap::Outline::inradius) + self.spec.costmap.map.cell
+        self.costmap.outline().map_or(0.0, crate::outline::Outline::inradius) + self.spec.costmap.map.cell
     }
 
     fn plan(&mut self, sensed: &Sensed<'_>, now: f64) {

@@ -4,8 +4,8 @@ mod forecast;
 mod gentler;
 mod sent;
 
-use headway_sim::check::{non_negative, within};
-use headway_sim::{Command, Drive, Dynamics, FieldError, VehicleSpec};
+use headway_sim::check::within;
+use headway_sim::{Command, Drive, Dynamics, FieldError, Interval, VehicleSpec};
 use serde::{Deserialize, Serialize};
 
 use crate::{Controller, Interventions, Sensed};
@@ -24,16 +24,17 @@ pub struct ShieldSpec {
     pub confidence: f64,
     /// By how much the vehicle may stray per metre driven, from 0 to 1: for noise of the actuation.
     pub noise: f64,
-    /// Time until a command takes effect, seconds, from 0 to 10, in whole substeps of the vehicle. One that is shorter than
-    /// told is not foreseen exactly: commands then act sooner than expected, though the vehicle also brakes sooner.
-    pub latency: f64,
+    /// Time until a command takes effect, seconds, from 0 to 10: a number, or a range `[low, high]` of what it may be, as long
+    /// as it stays the same during a drive. Each whole number of substeps in the range is allowed for (of more than a
+    /// hundred every few), at as many times the cost.
+    pub latency: Interval,
 }
 
 impl Default for ShieldSpec {
     /// 5 cm, two standard deviations and more of common lidars' ranges; a fifth of the brakes' force held back; no
     /// noise and no latency.
     fn default() -> Self {
-        Self { margin: 0.05, confidence: 0.8, noise: 0.0, latency: 0.0 }
+        Self { margin: 0.05, confidence: 0.8, noise: 0.0, latency: Interval::Fixed(0.0) }
     }
 }
 
@@ -53,16 +54,15 @@ impl ShieldSpec {
         within("margin", self.margin, 1e-3, 10.0)?;
         within("confidence", self.confidence, 0.1, 1.0)?;
         within("noise", self.noise, 0.0, 1.0)?;
-        non_negative("latency", self.latency)?;
-        within("latency", self.latency, 0.0, 10.0)?;
-        Ok(Shield { spec: *self, driver, sent: Sent::default(), interventions: Interventions::default() })
+        self.latency.check("latency", |field, latency| within(field, latency, 0.0, 10.0))?;
+        Ok(Shield { spec: *self, driver, sent: Vec::new(), interventions: Interventions::default() })
     }
 }
 
 /// A driver that another one drives through: it passes commands on only if the vehicle can still stop afterwards
 /// without touching anything that the scan shows.
 ///
-/// **What is looked at.** The commands under way for `latency` seconds, then the new one for a control period, as
+/// **What is looked at.** The commands under way until a new one acts, for each `latency` that may be, then the new one for a control period, as
 /// [`headway_sim::Vehicle::step`] would carry them out: by its [`Dynamics`], whatever the drive and the lags of the actuators.
 /// Then braking to a standstill, yaw rate included, in three ways that bound all others: as fast as the vehicle can, which is
 /// what it will do; at `confidence` of that while its curvature stays as it is; and at `confidence` of that while its yaw rate
@@ -76,7 +76,9 @@ impl ShieldSpec {
 /// **Why that is safe.** A vehicle at rest is safe. A command passes only with a way to stop behind it; if nothing
 /// passes in the next period, braking goes exactly that way, of which a part is then behind it. By induction there is
 /// such a way at all times, as long as the world stands still, the vehicle does what is expected of it (within
-/// `noise`), its commands take `latency` seconds, and the scan shows what is there (within `margin`).
+/// `noise`), its commands take a time that is one of `latency` and always the same, and the scan shows what is there (within
+/// `margin`). Of several latencies none is the worst, since earlier turns lead elsewhere, and a vehicle's are whole numbers
+/// of substeps: each of them has its own way to stop, whichever is the vehicle's.
 ///
 /// **What is not seen.** The outline may not enter what is hidden behind something, nor leave the lidar's greatest
 /// range: the border of what is seen counts as an echo all along, so that the vehicle can stop for whatever lies just
@@ -90,7 +92,8 @@ impl ShieldSpec {
 pub struct Shield<C> {
     spec: ShieldSpec,
     driver: C,
-    sent: Sent,
+    /// For each latency that the vehicle may have; empty before the first command.
+    sent: Vec<Sent>,
     interventions: Interventions,
 }
 
@@ -127,15 +130,18 @@ fn brakes(vehicle: &VehicleSpec, command: &Command) -> bool {
 impl<C: Controller> Controller for Shield<C> {
     /// Forgets the commands under way; goes on counting.
     fn reset(&mut self) {
-        self.sent = Sent::default();
+        self.sent.clear();
         self.driver.reset();
     }
 
     fn command(&mut self, sensed: &Sensed<'_>) -> Command {
         self.interventions.n_commands += 1;
+        if self.sent.is_empty() {
+            self.sent = Sent::nothing(self.spec.latency, sensed.vehicle);
+        }
         let asked = self.driver.command(sensed);
         let given = self.judge(sensed, asked);
-        self.sent.push(self.spec.latency, sensed, given);
+        self.sent.iter_mut().for_each(|sent| sent.push(sensed, given));
         given
     }
 

@@ -1,61 +1,10 @@
 //! What a vehicle's outline sweeps over, against what its scan shows.
 
-use headway_sim::{Pose, Shape, Stretch, wrap};
+use headway_sim::{Pose, Stretch, wrap};
 use nalgebra::Vector2;
 
 use crate::Sensed;
-
-/// A convex outline around the vehicle's origin, as distances to its edges.
-#[derive(Debug)]
-pub(crate) struct Outline {
-    circumradius: f64,
-    /// The edges' outward unit normals and distances from the origin, metres; none for a disc.
-    edges: Vec<(Vector2<f64>, f64)>,
-}
-
-impl Outline {
-    pub(crate) fn new(shape: &Shape) -> Self {
-        let corners = shape.vertices();
-        let edge = |(a, b): (&headway_sim::Point, &headway_sim::Point)| {
-            let normal = Vector2::new(b.y - a.y, a.x - b.x).normalize();
-            (normal, normal.dot(&a.coords))
-        };
-        let edges = corners.iter().zip(corners.iter().cycle().skip(1)).map(edge).collect();
-        Self { circumradius: shape.circumradius(), edges }
-    }
-
-    pub(crate) fn circumradius(&self) -> f64 {
-        self.circumradius
-    }
-
-    /// The radius of the greatest disc around the origin within the outline, metres: half a box's lesser extent.
-    pub(crate) fn inradius(&self) -> f64 {
-        self.edges.iter().map(|(_, distance)| *distance).fold(self.circumradius, f64::min)
-    }
-
-    /// How far the outline reaches in a direction, metres: its support.
-    pub(crate) fn support(&self, shape: &Shape, direction: &Vector2<f64>) -> f64 {
-        let corners = shape.vertices();
-        if corners.is_empty() {
-            return self.circumradius;
-        }
-        corners.iter().map(|corner| corner.coords.dot(direction)).fold(f64::NEG_INFINITY, f64::max)
-    }
-
-    /// How far a point of the outline moves per radian at most.
-    fn turning_radius(&self) -> f64 {
-        if self.edges.is_empty() { 0.0 } else { self.circumradius }
-    }
-
-    /// The distance from the outline to a point, metres, negative inside; beside a corner the distance to the farther
-    /// of its two edges' lines, which is less than that to the corner.
-    pub(crate) fn height(&self, point: &Vector2<f64>) -> f64 {
-        if self.edges.is_empty() {
-            return point.norm() - self.circumradius;
-        }
-        self.edges.iter().map(|(normal, distance)| normal.dot(point) - distance).fold(f64::NEG_INFINITY, f64::max)
-    }
-}
+use crate::outline::Outline;
 
 /// Where a beam ended, in the vehicle's frame at the time of the scan.
 #[derive(Debug, Clone, Copy)]
@@ -184,7 +133,7 @@ impl Surroundings {
     /// where it is nearer than that, no nearer at all. Echoes deeper inside the outline than the margin are its own.
     pub(crate) fn new(sensed: &Sensed<'_>, unseen: Unseen, reach: f64, margin: f64, noise: f64) -> Self {
         let outline = Outline::new(&sensed.vehicle.footprint);
-        let reach = reach * (1.0 + noise) + outline.circumradius + margin;
+        let reach = reach * (1.0 + noise) + outline.circumradius() + margin;
         let around = match unseen {
             Unseen::Free => echoes(sensed, reach).collect(),
             Unseen::Blocked => border(sensed, reach, margin / 2.0),
@@ -247,7 +196,7 @@ impl Surroundings {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use headway_sim::{Point, Twist, VehicleSpec, arc};
+    use headway_sim::{Point, Shape, Twist, VehicleSpec, arc};
     use proptest::prelude::*;
     use std::f64::consts::FRAC_PI_2;
 
@@ -269,17 +218,6 @@ mod tests {
 
     fn boxed() -> VehicleSpec {
         VehicleSpec { footprint: Shape::Box { length: 0.6, width: 0.4 }, ..VehicleSpec::default() }
-    }
-
-    #[test]
-    fn heights_above_a_box_by_hand() {
-        let outline = Outline::new(&boxed().footprint);
-        let height = |x, y| outline.height(&Vector2::new(x, y));
-        assert!((height(1.0, 0.0) - 0.7).abs() < 1e-12);
-        assert!((height(0.5, 0.3) - 0.2).abs() < 1e-12); // beside the corner: the farther of 0.2 and 0.1
-        assert!((height(0.0, 0.1) + 0.1).abs() < 1e-12);
-        assert!((outline.inradius() - 0.2).abs() < 1e-12);
-        assert!((outline.support(&boxed().footprint, &Vector2::x()) - 0.3).abs() < 1e-12);
     }
 
     #[test]

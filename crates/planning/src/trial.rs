@@ -2,10 +2,30 @@
 
 use std::f64::consts::TAU;
 
-use headway_sim::{Point, Pose, Scenario, Twist, Vehicle, VehicleState, World};
+use headway_sim::{Command, Obstacle, Point, Pose, Shape, Twist, Vehicle, VehicleSpec, VehicleState, World};
 use nalgebra::Vector2;
 
 use crate::{Controller, Route, Sensed};
+
+pub(crate) fn boxed(x: f64, y: f64, length: f64, width: f64) -> Obstacle {
+    Obstacle { shape: Shape::Box { length, width }, x, y, yaw: 0.0 }
+}
+
+/// The robot of the BARN challenge, in simulation.
+pub(crate) fn jackal() -> VehicleSpec {
+    VehicleSpec {
+        footprint: Shape::Box { length: 0.46, width: 0.42 },
+        max_speed: 2.0,
+        max_yaw_rate: 2.0,
+        max_acceleration: 10.0,
+        max_yaw_acceleration: 20.0,
+        control_period: 0.05,
+        ..VehicleSpec::default()
+    }
+}
+
+/// How far lidars see, metres, where a test does not say otherwise.
+pub(crate) const MAX_RANGE: f64 = 10.0;
 
 /// A lidar that looks all round.
 pub(crate) struct Lidar {
@@ -15,7 +35,7 @@ pub(crate) struct Lidar {
 
 impl Lidar {
     pub(crate) fn new(n: usize, max_range: f64) -> Self {
-        Self { angles: (0..n).map(|k| TAU * k as f64 / n as f64).collect(), max_range }
+        Self { angles: (0..n).map(|k| (k as f64 / n as f64 - 0.5) * TAU).collect(), max_range }
     }
 
     pub(crate) fn scan(&self, world: &World, pose: &Pose) -> Vec<f32> {
@@ -37,39 +57,55 @@ impl Lidar {
             twist,
             goal,
             route: None,
-            last_command: headway_sim::Command::default(),
+            last_command: Command::default(),
             movers: &[],
         }
     }
 }
 
+/// A drive from a start to within 0.3 m of a goal.
+pub(crate) struct Trial<'a> {
+    pub(crate) world: &'a World,
+    pub(crate) vehicle: &'a Vehicle,
+    pub(crate) lidar: Lidar,
+    pub(crate) route: Option<&'a Route>,
+    pub(crate) start: Pose,
+    pub(crate) goal: Point,
+    pub(crate) most_seconds: f64,
+}
+
 /// How a drive ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum End {
-    Arrived { n_steps: usize },
+    /// After so many seconds.
+    Arrived(f64),
     Collided,
-    TimeOut,
+    /// Where the vehicle was when the time was over.
+    OutOfTime(Point),
 }
 
-/// Drives a scenario, to within 0.3 m of its goal and for 600 steps at most.
-pub(crate) fn drive(
-    scenario: &Scenario,
-    vehicle: &Vehicle,
-    lidar: &Lidar,
-    route: Option<&Route>,
-    driver: &mut dyn Controller,
-) -> End {
-    driver.reset();
-    let mut state = VehicleState::at_rest(scenario.start);
-    for n_steps in 0..600 {
-        if (Point::from(state.pose.translation.vector) - scenario.goal).norm() < 0.3 {
-            return End::Arrived { n_steps };
-        }
-        let scan = lidar.scan(&scenario.world, &state.pose);
-        let sensed = Sensed { goal: scenario.goal, route, ..lidar.sensed(vehicle, &scan, &state) };
-        if vehicle.step(&scenario.world, &mut state, driver.command(&sensed)).collided {
-            return End::Collided;
-        }
+impl<'a> Trial<'a> {
+    /// With 240 beams, no route, and two minutes.
+    pub(crate) fn new(world: &'a World, vehicle: &'a Vehicle, start: Pose, goal: Point) -> Self {
+        let lidar = Lidar::new(240, MAX_RANGE);
+        Self { world, vehicle, lidar, route: None, start, goal, most_seconds: 120.0 }
     }
-    End::TimeOut
+
+    pub(crate) fn drive(&self, driver: &mut dyn Controller) -> End {
+        driver.reset();
+        let mut state = VehicleState::at_rest(self.start);
+        let period = self.vehicle.spec().control_period;
+        for k in 0..(self.most_seconds / period) as usize {
+            let scan = self.lidar.scan(self.world, &state.pose);
+            let sensed = self.lidar.sensed(self.vehicle, &scan, &state);
+            let command = driver.command(&Sensed { goal: self.goal, route: self.route, ..sensed });
+            if self.vehicle.step(self.world, &mut state, command).collided {
+                return End::Collided;
+            }
+            if (state.pose.translation.vector - self.goal.coords).norm() < 0.3 {
+                return End::Arrived((k + 1) as f64 * period);
+            }
+        }
+        End::OutOfTime(state.pose.translation.vector.into())
+    }
 }

@@ -9,7 +9,8 @@ use headway_sim::{Command, FieldError, Point, wrap};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
-use crate::sweep::{Outline, echoes};
+use crate::outline::Outline;
+use crate::sweep::echoes;
 use crate::{Controller, Sensed};
 use histogram::{Polar, Sectors};
 
@@ -188,9 +189,8 @@ impl Vfh {
 
     /// How far the strip ahead is free, metres.
     fn room_ahead(&self, sensed: &Sensed<'_>, outline: &Outline) -> f64 {
-        let shape = &sensed.vehicle.footprint;
-        let front = outline.support(shape, &Vector2::x());
-        let aside = outline.support(shape, &Vector2::y()).max(outline.support(shape, &-Vector2::y()));
+        let front = outline.support(&Vector2::x());
+        let aside = outline.support(&Vector2::y()).max(outline.support(&-Vector2::y()));
         let half_width = aside + self.spec.safety_distance / 2.0;
         let is_ahead = |at: &Vector2<f64>| at.x > 0.0 && at.y.abs() < half_width;
         let nearest = echoes(sensed, sensed.max_range).filter(|echo| is_ahead(&echo.at)).map(|echo| echo.at.x);

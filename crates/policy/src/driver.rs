@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use headway_env::{ActionSet, Control, Encoder, History};
+use headway_env::{ActionSet, Encoder, History};
 use headway_planning::{Controller, Sensed};
 use headway_sensors::LidarSpec;
 use headway_sim::{Command, VehicleSpec};
@@ -12,7 +12,7 @@ use crate::{Policy, PolicyError};
 
 /// A policy as a [`Controller`]: takes the action of greatest value.
 ///
-/// Under [`Control::SpeedOnly`] it steers along [`Sensed::route`], as in training; under an observation that looks ahead it is
+/// Under [`headway_env::Control::SpeedOnly`] it steers along [`Sensed::route`], as in training; under an observation that looks ahead it is
 /// shown that route. Where there is none, both take the straight line to the goal, whatever stands there: whoever drives by
 /// such a policy plans the route.
 ///
@@ -65,13 +65,7 @@ impl Controller for Driver {
         let side = self.encoder.encode(sensed, &self.history, &mut obs);
         let action = self.act(&obs);
         self.obs = obs;
-        let command = self.actions.command(action, sensed.twist.x, side);
-        match &self.policy.header().control {
-            Control::Full {} => command,
-            Control::SpeedOnly { pursuit } => {
-                let turning_radius = sensed.vehicle.drive.turning_radius();
-                pursuit.follow(&sensed.route_or_straight(), &sensed.pose, command.speed, turning_radius)
-            }
-        }
+        let asked = self.actions.command(action, sensed.twist.x, side);
+        self.policy.header().control.command(asked, sensed)
     }
 }

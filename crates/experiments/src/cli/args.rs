@@ -298,7 +298,7 @@ Examples:
   experiments evaluate policy.safetensors --protocol barn --worlds barn/worlds --world world_3 --plot drive.svg
 
 --format json prints a list of objects, one per world; with --protocol, one object:
-  worlds         the table's rows: rates and scores as shares in [0, 1], times in seconds
+  worlds         the table's rows: rates and scores as shares in [0, 1], times in seconds; with a shield, its vetoes and stops
   overall        the same of all runs, and 95 % Wilson intervals as if they were independent
   over_worlds    95 % intervals with the world as the unit; null for fewer than three worlds
   references     of each world: reference_length (m), optimal_time (s), source (file or planned), file

@@ -24,7 +24,7 @@ use std::num::NonZeroUsize;
 use std::sync::Arc;
 
 use headway_env::{Mdp, NavSpec, Navigator};
-use headway_planning::Controller;
+use headway_planning::{Controller, Interventions};
 use headway_sim::SimError;
 
 use crate::Error;
@@ -60,6 +60,8 @@ pub struct Run {
     pub outcome: Outcome,
     /// Time from the start of the clock, seconds; 0 if that never started.
     pub time: f64,
+    /// How often a shield stepped in, before the clock started too; zeros where there was none.
+    pub interventions: Interventions,
 }
 
 /// Run number `index` of a seed: noise, actuation and odometry have random streams of their own. `watch` sees every state, the
@@ -77,6 +79,7 @@ pub fn drive(
     let mut vehicle = Navigator::new(Arc::clone(mdp), seed, index).map_err(Error::failure)?;
     let mut clock = Clock::default();
     driver.reset();
+    let before = driver.interventions();
     watch(&vehicle);
     loop {
         let command = driver.command(&vehicle.sensed());
@@ -84,7 +87,7 @@ pub fn drive(
         watch(&vehicle);
         let from_start = vehicle.vehicle().pose.translation.vector - vehicle.scenario().start.translation.vector;
         if let Some(run) = clock.step(vehicle.step_duration(), from_start.norm(), &end) {
-            return Ok(run);
+            return Ok(Run { interventions: driver.interventions().since(before), ..run });
         }
     }
 }

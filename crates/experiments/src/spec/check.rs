@@ -1,5 +1,7 @@
 //! What the types cannot say: numbers in range, worlds that can be made, parts that fit together.
 
+use std::collections::BTreeSet;
+
 use headway_env::{EnvError, NavSpec};
 use headway_planning::PurePursuit;
 use headway_policy::Policy;
@@ -13,18 +15,21 @@ use super::names::check_label;
 use super::{EvaluateSpec, EvaluateWorld, Fault, KeyPath, PolicySpec, RunSpec, TrainSpec};
 
 impl RunSpec {
-    /// Builds everything once and throws it away, so that what cannot run is found before anything is written.
+    /// Builds everything once, so that what cannot run is found before anything is written; of that it keeps what
+    /// [`WorldSource::left_out`](headway_sim::WorldSource::left_out) says of the worlds, those of the training and of the evaluation.
     ///
     /// # Errors
     /// Names the first value that is not allowed, and what is.
-    pub fn check(&self) -> Result<(), Fault> {
+    pub fn check(&self) -> Result<BTreeSet<String>, Fault> {
+        let mut left_out = BTreeSet::new();
         self.train.check()?;
         self.evaluate.check()?;
         let candidate = self.check_policy()?;
         if self.policy.is_learned() {
             self.agent.validate().map_err(|error| of_agent(&error))?;
             let mdp = self.training().build().map_err(|error| of_env(&error))?;
-            self.check_curriculum()?;
+            left_out.extend(mdp.source().left_out());
+            left_out.extend(self.check_curriculum()?);
             check_episodes(&self.training(), &KeyPath::default())?;
             self.check_memory(mdp.obs_dim(), mdp.actions().len())?;
         }
@@ -33,11 +38,12 @@ impl RunSpec {
             if let Some(policy) = &candidate {
                 adapt(&mut mdp.env, policy);
             }
-            let built = mdp.build().map_err(|error| of_env(&error));
+            let built = mdp.build().map_err(|error| in_evaluation(of_env(&error), index))?;
             let at = KeyPath::new(["evaluate", "worlds", &index.to_string()]);
-            built.and_then(|_| check_episodes(&mdp, &at)).map_err(|fault| in_evaluation(fault, index))?;
+            check_episodes(&mdp, &at).map_err(|fault| in_evaluation(fault, index))?;
+            left_out.extend(built.source().left_out());
         }
-        Ok(())
+        Ok(left_out)
     }
 
     /// How far goals are at least in the worlds of the training, metres.
@@ -45,8 +51,9 @@ impl RunSpec {
         nearest_goals(&self.world, KeyPath::default()).0
     }
 
-    /// Builds the world of every stage once.
-    fn check_curriculum(&self) -> Result<(), Fault> {
+    /// Builds the world of every stage once: what they leave out.
+    fn check_curriculum(&self) -> Result<Vec<String>, Fault> {
+        let mut left_out = Vec::new();
         for (index, stage) in self.train.curriculum.iter().enumerate() {
             let mdp = NavSpec { world: stage.world.clone(), ..self.training() };
             let at = KeyPath::new(["train", "curriculum", &index.to_string()]);
@@ -54,10 +61,11 @@ impl RunSpec {
                 [first, ..] if first == "world" => Fault { path: at.extend(&fault.path), ..fault },
                 _ => fault,
             };
-            mdp.build().map_err(|error| of_stage(of_env(&error)))?;
+            let built = mdp.build().map_err(|error| of_stage(of_env(&error)))?;
             check_episodes(&mdp, &at)?;
+            left_out.extend(built.source().left_out());
         }
-        Ok(())
+        Ok(left_out)
     }
 
     /// Refuses a driver with numbers that are not allowed, a file that is no policy for this robot, and such a shield.
@@ -65,7 +73,7 @@ impl RunSpec {
     fn check_policy(&self) -> Result<Option<Policy>, Fault> {
         if let Some(driver) = self.policy.driver() {
             driver.build().map_err(|error| of_field(&error.under("policy")))?;
-            driver.suits(&self.vehicle).map_err(|error| of_field(&error.under("policy")))?;
+            driver.suits(&self.vehicle).map_err(|error| of_field(&error.under("vehicle")))?;
         }
         if let Some(shield) = self.shield() {
             shield.build(PurePursuit::default()).map_err(|error| of_field(&error.under("evaluate.shield")))?;

@@ -1,5 +1,6 @@
 //! From a spec file to the runs it stands for.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use toml::{Table, Value};
@@ -30,6 +31,8 @@ pub struct Cell {
     pub axes: Vec<(String, String)>,
     /// The run with all defaults filled in; only the seed is missing.
     pub spec: RunSpec,
+    /// What its world files hold and its worlds do not: [`RunSpec::check`].
+    pub left_out: BTreeSet<String>,
 }
 
 impl Cell {
@@ -132,8 +135,8 @@ impl Loader<'_> {
         for (index, step) in steps.iter().enumerate() {
             run.set(&step.path, step.value.clone()).map_err(|refusal| self.locate(refusal, &steps[..=index]))?;
         }
-        let cell = Cell { axes: levels, spec: run.spec };
-        cell.spec.check().map_err(|fault| {
+        let mut cell = Cell { axes: levels, spec: run.spec, left_out: BTreeSet::new() };
+        cell.left_out = cell.spec.check().map_err(|fault| {
             let needed = self.needed(&fault, base, &steps, &cell);
             let error = self.locate(fault.in_tree(&run.tree), &steps);
             if needed.is_empty() { error } else { error.given(&needed) }
@@ -229,11 +232,16 @@ impl<'a> Step<'a> {
     fn of(set: &'a Assignment) -> Self {
         Self { path: set.path.clone(), value: &set.value, origin: Origin::CommandLine }
     }
+
+    /// What it replaces: a `preset` stands for the table that it is in.
+    fn reach(&self) -> KeyPath {
+        if self.path.last() == "preset" { self.path.parent() } else { self.path.clone() }
+    }
 }
 
 /// The last of `steps` that changed the value at `path`, something in it, or what holds it.
 fn last_to_touch<'s, 'v>(path: &KeyPath, steps: &'s [Step<'v>]) -> Option<&'s Step<'v>> {
-    steps.iter().rev().find(|step| step.path.is_prefix_of(path) || path.is_prefix_of(&step.path))
+    steps.iter().rev().find(|step| step.reach().is_prefix_of(path) || path.is_prefix_of(&step.path))
 }
 
 impl Fault {

@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use headway_env::{Distribution, RandomizeSpec};
+use headway_env::RandomizeSpec;
 use headway_planning::{DriverSpec, DwaSpec, PurePursuit, RegulatedPursuitSpec, ShieldSpec, VfhSpec};
-use headway_sim::VehicleSpec;
+use headway_sim::{Interval, VehicleSpec};
 use serde::{Deserialize, Serialize};
 
 /// Who a run is about: the table `[policy]`.
@@ -78,9 +78,9 @@ pub struct ShieldOption {
     pub confidence: f64,
     /// See [`ShieldSpec::noise`].
     pub noise: f64,
-    /// See [`ShieldSpec::latency`]; if not given the vehicle's own, or the greatest that an episode may draw.
+    /// See [`ShieldSpec::latency`]; if not given the vehicle's own, or the range of what an episode may draw.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub latency: Option<f64>,
+    pub latency: Option<Interval>,
 }
 
 impl Default for ShieldOption {
@@ -96,19 +96,23 @@ impl ShieldOption {
     /// ```
     /// use headway_env::RandomizeSpec;
     /// use headway_experiments::spec::ShieldOption;
+    /// use headway_sim::Interval;
     /// let mut vehicle = headway_sim::VehicleSpec::default();
     /// vehicle.actuation.latency = 0.1;
     /// let shield = ShieldOption::default();
-    /// assert_eq!(shield.for_vehicle(&vehicle, &RandomizeSpec::default()).latency, 0.1);
-    /// let randomize: RandomizeSpec = toml::from_str("'vehicle.actuation.latency' = { normal = [0.1, 0.02] }")?;
-    /// assert_eq!(shield.for_vehicle(&vehicle, &randomize).latency, 0.16);
+    /// assert_eq!(shield.for_vehicle(&vehicle, &RandomizeSpec::default()).latency, Interval::Fixed(0.1));
+    /// let randomize: RandomizeSpec = toml::from_str("'vehicle.actuation.latency' = { uniform = [0.0, 0.2] }")?;
+    /// assert_eq!(shield.for_vehicle(&vehicle, &randomize).latency, Interval::Range([0.0, 0.2]));
     /// # Ok::<(), toml::de::Error>(())
     /// ```
     #[must_use]
     pub fn for_vehicle(&self, vehicle: &VehicleSpec, randomize: &RandomizeSpec) -> ShieldSpec {
         let Self { margin, confidence, noise, latency } = *self;
-        let greatest = randomize.get("vehicle.actuation.latency").map(Distribution::greatest);
-        let latency = latency.or(greatest).unwrap_or(vehicle.actuation.latency);
+        let drawn = randomize.get("vehicle.actuation.latency").map(|drawn| {
+            let (least, greatest) = drawn.bounds().into_inner();
+            Interval::Range([least, greatest])
+        });
+        let latency = latency.or(drawn).unwrap_or(Interval::Fixed(vehicle.actuation.latency));
         ShieldSpec { margin, confidence, noise, latency }
     }
 }

@@ -70,7 +70,7 @@ impl Sources {
         merged
     }
 
-    /// The file and line that hold `path`, or else as much of it as any file holds.
+    /// The file and line that hold `path`, or else as much of it as any file holds; what a preset stands for is that file's.
     pub(crate) fn place(&self, path: &KeyPath) -> Place {
         let found = |source: &Source| source.lookup(path.segments());
         let mut best = (0, &self.0[0], None);
@@ -78,6 +78,9 @@ impl Sources {
             let (depth, line) = found(source);
             if depth > best.0 {
                 best = (depth, source, line);
+            }
+            if source.names_preset_above(path) {
+                break;
             }
         }
         Place::File { file: best.1.path.clone(), line: best.2, part: None }
@@ -120,6 +123,15 @@ impl Source {
         let (_, line) = self.lookup(path.segments());
         let place = Place::File { file: self.path.clone(), line, part: None };
         SpecError { place: Box::new(place), path: Some(path), value, problem }
+    }
+
+    /// Whether this file names a preset for a table that `path` leads through: what its bases say of that table is replaced.
+    fn names_preset_above(&self, path: &KeyPath) -> bool {
+        let tables = path.segments().iter().scan(Some(&self.table), |table, segment| {
+            *table = table.and_then(|table| table.get(segment)?.as_table());
+            *table
+        });
+        tables.into_iter().any(|table| table.contains_key("preset"))
     }
 
     /// How many of `segments` this file holds, and the line of the last one it does.

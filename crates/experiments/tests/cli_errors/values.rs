@@ -304,6 +304,37 @@ fn faults_that_take_two_values() {
     );
 }
 
+/// VFH+ and the dynamic window approach turn on the spot: what refuses them is the drive, wherever that was chosen.
+#[test]
+fn drivers_that_cannot_drive_a_car() {
+    const CAN: &str = "which turns on the spot; of the classical drivers, pure_pursuit and plain_pursuit can drive \
+                       Ackermann vehicles";
+    let told = |place: &str, driver: &str, after: &str| {
+        format!(
+            "{place}: vehicle.drive.type = \"ackermann\": must be differential or omnidirectional for {driver}, {CAN}{after}"
+        )
+    };
+    let car = "[policy]\ntype = \"vfh\"\n[vehicle]\npreset = \"f1tenth\"";
+    assert_refused(car, &[], &told("spec.toml:3", "vfh", ""));
+    let sets = ["--set", "policy.type=dwa", "--set", "vehicle.preset=f1tenth"];
+    let after = " (after --set policy.type=\"dwa\" --set vehicle.preset=\"f1tenth\")";
+    assert_refused("", &sets, &told("--set", "dwa", after));
+
+    // The base says differential; what counts is the preset.
+    let folder = TempDir::new().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write("base.toml", "[vehicle]\ndrive = { type = \"differential\" }");
+    write("spec.toml", &format!("base = \"base.toml\"\n{car}"));
+    let refusal = |args: &[&str]| {
+        let output = experiments(folder.path(), args);
+        assert_eq!(output.status.code(), Some(2));
+        String::from_utf8(output.stderr).unwrap()
+    };
+    assert_eq!(refusal(&["check", "spec.toml"]), format!("error: {}\n", told("spec.toml:4", "vfh", "")));
+    let evaluated = refusal(&["evaluate", "dwa", "--spec", "base.toml", "--set", "vehicle.preset=f1tenth"]);
+    assert_eq!(evaluated, format!("error: {}\n", told("--set", "dwa", after)));
+}
+
 /// Vehicles, sensors, routes, worlds and curricula of real robots.
 #[test]
 fn robots() {

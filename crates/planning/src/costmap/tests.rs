@@ -97,4 +97,7 @@ fn resetting_forgets() {
     let error = CostmapSpec { footprint, ..CostmapSpec::default() }.build().unwrap_err();
     assert_eq!(error.field, "footprint.radius");
     assert!(CostmapSpec { padding: -0.1, ..CostmapSpec::default() }.build().is_err());
+    // The costs around a mark were computed for days.
+    let error = CostmapSpec { padding: 1e6, ..CostmapSpec::default() }.build().unwrap_err();
+    assert_eq!(error.to_string(), "padding = 1000000: must be from 0 to 10");
 }

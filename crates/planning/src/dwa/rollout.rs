@@ -5,7 +5,8 @@ use nalgebra::{UnitComplex, Vector2};
 
 use super::map_grid::MapGrid;
 use super::{DwaSpec, ObstacleCost};
-use crate::costmap::{Costmap, INSCRIBED, LETHAL, Outline};
+use crate::costmap::{Costmap, INSCRIBED, LETHAL};
+use crate::outline::Outline;
 
 /// Points along a padded footprint's outline, in units of cells.
 #[derive(Debug, Clone, Default)]

@@ -1,7 +1,7 @@
 use super::*;
-use crate::test_drive::{End, MAX_RANGE, beam_angles, boxed, drive, jackal, scan};
+use crate::trial::{End, Lidar, MAX_RANGE, Trial, boxed, jackal};
 use crate::{Planned, Route, ScanPlannerSpec};
-use headway_sim::{Room, Shape, Twist, VehicleSpec, World};
+use headway_sim::{Room, Shape, VehicleSpec, VehicleState, World};
 
 fn empty() -> World {
     World::new(Room::new(20.0, 10.0), vec![]).unwrap()
@@ -9,21 +9,22 @@ fn empty() -> World {
 
 /// The command for a vehicle at rest at (4, 5) that faces +x.
 fn command_at_rest(dwa: &mut Dwa, vehicle: &VehicleSpec, world: &World, goal: Point, route: Option<&Route>) -> Command {
-    let (angles, pose) = (beam_angles(240), Pose::translation(4.0, 5.0));
-    let scan = scan(world, &pose, &angles);
-    let (max_range, twist) = (MAX_RANGE, Twist::zeros());
-    dwa.command(&Sensed {
-        vehicle,
-        scan: &scan,
-        beam_angles: &angles,
-        max_range,
-        pose,
-        twist,
-        goal,
-        route,
-        last_command: headway_sim::Command::default(),
-        movers: &[],
-    })
+    let (vehicle, lidar) = (vehicle.build().unwrap(), Lidar::new(240, MAX_RANGE));
+    let state = VehicleState::at_rest(Pose::translation(4.0, 5.0));
+    let scan = lidar.scan(world, &state.pose);
+    dwa.command(&Sensed { goal, route, ..lidar.sensed(&vehicle, &scan, &state) })
+}
+
+/// A drive by a driver that is given the goal alone.
+fn drive(
+    world: &World,
+    vehicle: &VehicleSpec,
+    driver: &mut dyn Controller,
+    start: Pose,
+    goal: Point,
+    most_seconds: f64,
+) -> End {
+    Trial { most_seconds, ..Trial::new(world, &vehicle.build().unwrap(), start, goal) }.drive(driver)
 }
 
 #[test]
@@ -124,30 +125,18 @@ fn with_a_planner_it_finds_round_a_pocket_at_any_speed() {
 fn recovers_by_forgetting_and_turning_once_around() {
     let spec = DwaSpec { patience: 1.0, ..DwaSpec::default() };
     let mut dwa = spec.build().unwrap();
-    let (angles, scan) = (beam_angles(240), [0.5_f32; 240]);
-    let vehicle = VehicleSpec { footprint: Shape::Disc { radius: 0.2 }, ..jackal() };
+    let (lidar, scan) = (Lidar::new(240, MAX_RANGE), [0.5_f32; 240]);
+    let vehicle = VehicleSpec { footprint: Shape::Disc { radius: 0.2 }, ..jackal() }.build().unwrap();
     // Turns that would lead nowhere are barred, as after having turned both ways.
     let mut yaw = 0.0;
     let mut rates = Vec::new();
     for _ in 0..300 {
         dwa.turns = Turns { barred: [true; 2], ..Turns::default() };
-        let pose = Pose::new([0.0, 0.0].into(), yaw);
-        let (twist, goal) = (Twist::zeros(), Point::new(8.0, 0.0));
-        let sensed = Sensed {
-            vehicle: &vehicle,
-            scan: &scan,
-            beam_angles: &angles,
-            max_range: MAX_RANGE,
-            pose,
-            twist,
-            goal,
-            route: None,
-            last_command: headway_sim::Command::default(),
-            movers: &[],
-        };
+        let state = VehicleState::at_rest(Pose::rotation(yaw));
+        let sensed = Sensed { goal: Point::new(8.0, 0.0), ..lidar.sensed(&vehicle, &scan, &state) };
         let Command { speed, yaw_rate, .. } = dwa.command(&sensed);
         assert_eq!(speed, 0.0);
-        yaw += yaw_rate * vehicle.control_period;
+        yaw += yaw_rate * vehicle.spec().control_period;
         rates.push(yaw_rate);
     }
     assert!(rates[..20].iter().all(|rate| *rate == 0.0));

@@ -1,5 +1,5 @@
 use super::*;
-use crate::trial::{End, Lidar, drive};
+use crate::trial::{End, Lidar, Trial};
 use crate::{GridMap, Route, ShieldSpec, plan};
 use headway_sim::{Drive, Pose, Room, Shape, Vehicle, VehicleSpec, VehicleState, World, WorldSpec};
 
@@ -101,15 +101,16 @@ fn speeds_up_no_faster_than_the_vehicle_and_keeps_the_curvature() {
 
 fn n_arrivals(vehicle: &Vehicle, world: &WorldSpec, n_scenarios: u64, driver: &mut dyn Controller) -> u64 {
     let source = world.build(vehicle.footprint()).unwrap();
-    let (lidar, radius) = (Lidar::new(360, 5.0), vehicle.footprint().circumradius());
+    let radius = vehicle.footprint().circumradius();
     let mut arrives = |index: u64| {
         let scenario = source.scenario(11, index).unwrap();
         let map = GridMap::from_world(&scenario.world, 0.1, radius + 0.1);
         let start = Point::from(scenario.start.translation.vector);
         let route = plan(&map, &start, &scenario.goal).expect("gaps are wide");
-        let end = drive(&scenario, vehicle, &lidar, Some(&route), driver);
+        let trial = Trial::new(&scenario.world, vehicle, scenario.start, scenario.goal);
+        let end = Trial { lidar: Lidar::new(360, 5.0), route: Some(&route), ..trial }.drive(driver);
         assert_ne!(end, End::Collided, "scenario {index}");
-        matches!(end, End::Arrived { .. })
+        matches!(end, End::Arrived(_))
     };
     (0..n_scenarios).map(|index| u64::from(arrives(index))).sum()
 }

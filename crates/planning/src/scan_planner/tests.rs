@@ -1,37 +1,17 @@
 use super::*;
-use crate::test_drive::{End, MAX_RANGE, beam_angles, boxed, drive, jackal, scan};
+use crate::trial::{End, Lidar, MAX_RANGE, Trial, boxed, jackal};
 use crate::{Planned, PurePursuit};
-use headway_sim::{Pose, Room, Twist, VehicleSpec, World};
+use headway_sim::{Pose, Room, VehicleState, World};
 
 /// What the vehicle senses at a place, handed to a planner.
 fn update(planner: &mut ScanPlanner, world: &World, pose: Pose, goal: Point) -> Option<Route> {
-    let (vehicle, angles) = (jackal(), beam_angles(360));
-    let scan = scan(world, &pose, &angles);
-    sense(planner, &vehicle, &scan, &angles, pose, goal)
+    let scan = Lidar::new(360, MAX_RANGE).scan(world, &pose);
+    sense(planner, &scan, pose, goal)
 }
 
-fn sense(
-    planner: &mut ScanPlanner,
-    vehicle: &VehicleSpec,
-    scan: &[f32],
-    beam_angles: &[f64],
-    pose: Pose,
-    goal: Point,
-) -> Option<Route> {
-    let twist = Twist::zeros();
-    let sensed = Sensed {
-        vehicle,
-        scan,
-        beam_angles,
-        max_range: MAX_RANGE,
-        pose,
-        twist,
-        goal,
-        route: None,
-        last_command: headway_sim::Command::default(),
-        movers: &[],
-    };
-    planner.update(&sensed).cloned()
+fn sense(planner: &mut ScanPlanner, scan: &[f32], pose: Pose, goal: Point) -> Option<Route> {
+    let (vehicle, lidar) = (jackal().build().unwrap(), Lidar::new(360, MAX_RANGE));
+    planner.update(&Sensed { goal, ..lidar.sensed(&vehicle, scan, &VehicleState::at_rest(pose)) }).cloned()
 }
 
 /// A U of walls open towards -x, whose bottom stands between the vehicle and the goal.
@@ -97,12 +77,11 @@ fn from_within_the_inflation_there_is_a_way_out() {
 
 #[test]
 fn where_there_is_no_way_the_last_route_stays_until_the_map_is_forgotten() {
-    let (vehicle, angles) = (jackal(), beam_angles(360));
     let mut planner =
         ScanPlannerSpec { patience: 1.0, reset_distance: 0.5, ..ScanPlannerSpec::default() }.build().unwrap();
     let (pose, goal) = (Pose::identity(), Point::new(4.0, 0.0));
     let mut sense = |ranges: f32| {
-        let route = sense(&mut planner, &vehicle, &[ranges; 360], &angles, pose, goal);
+        let route = sense(&mut planner, &[ranges; 360], pose, goal);
         (route, planner.is_lost(), planner.costmap().map().marked().count() > 0)
     };
     let (first, ..) = sense(9.9);
@@ -124,13 +103,14 @@ fn drives_out_of_a_pocket_and_round_it() {
     let pursuit = PurePursuit { lookahead: 0.4, cruise_speed: 0.8, ..PurePursuit::default() };
     let mut driver = Planned::new(spec.build().unwrap(), pursuit);
     let (start, goal) = (Pose::translation(1.0, 5.0), Point::new(8.0, 5.0));
-    let alone = drive(&pocket(), &jackal(), &mut pursuit.clone(), start, goal, 40.0);
-    assert_eq!(alone, End::Collided);
-    let end = drive(&pocket(), &jackal(), &mut driver, start, goal, 40.0);
+    let (world, vehicle) = (pocket(), jackal().build().unwrap());
+    let trial = Trial { most_seconds: 40.0, ..Trial::new(&world, &vehicle, start, goal) };
+    assert_eq!(trial.drive(&mut pursuit.clone()), End::Collided);
+    let end = trial.drive(&mut driver);
     assert!(matches!(end, End::Arrived(_)), "{end:?}");
     // The same again, after a reset, to the bit.
     let route = driver.route().cloned();
-    assert_eq!(drive(&pocket(), &jackal(), &mut driver, start, goal, 40.0), end);
+    assert_eq!(trial.drive(&mut driver), end);
     assert_eq!(driver.route().cloned(), route);
     crate::Controller::reset(&mut driver);
     assert!(driver.route().is_none() && driver.planner().costmap().map().size() == (0, 0));

@@ -21,39 +21,45 @@ struct Braking {
     holds_curvature: bool,
 }
 
-/// Where the vehicle goes until a new command acts, and what is around.
+/// Where the vehicle goes until a new command acts, whenever that may be, and what is around.
 pub(super) struct Forecast {
     dynamics: Dynamics,
     n_substeps: usize,
     brakings: Vec<Braking>,
     surroundings: Surroundings,
-    /// When the new command begins to act; `None` if that way is not free.
-    start: Option<Moving>,
+    /// When the new command begins to act, for each latency that may be; `None` if a way up to there is not free.
+    starts: Option<Vec<Moving>>,
 }
 
 impl Forecast {
     /// For `asked` and all commands that ask for no higher speed.
-    pub(super) fn new(spec: &ShieldSpec, sensed: &Sensed<'_>, sent: &Sent, asked: &Command) -> Self {
+    pub(super) fn new(spec: &ShieldSpec, sensed: &Sensed<'_>, sent: &[Sent], asked: &Command) -> Self {
         let vehicle = sensed.vehicle;
-        let (dynamics, phases) = (Dynamics::new(vehicle), sent.phases(spec.latency, sensed));
+        let dynamics = Dynamics::new(vehicle);
+        let ways: Vec<Vec<Phase>> = sent.iter().map(|sent| sent.phases(sensed)).collect();
         let speed = |command: &Command| command.speed.hypot(command.lateral_speed);
-        let sent_speeds = phases.iter().map(|(command, _)| speed(&dynamics.within_limits(*command)));
+        let sent_speeds = ways.iter().flatten().map(|(command, _)| speed(&dynamics.within_limits(*command)));
         let fastest = sent_speeds.fold(speed(asked).max(sensed.twist.xy().norm()), f64::max);
         let lag = vehicle.actuation.speed_lag / spec.confidence;
         let braking = fastest / (spec.confidence * vehicle.max_acceleration);
-        let reach = fastest * (spec.latency + vehicle.control_period * 2.0 + braking / 2.0 + lag);
+        let reach = fastest * (spec.latency.bounds().end() + vehicle.control_period * 2.0 + braking / 2.0 + lag);
         let surroundings = Surroundings::new(sensed, Unseen::Blocked, reach, spec.margin, spec.noise);
         let brakings = brakings(vehicle, spec.confidence, braking);
-        let mut forecast = Self { dynamics, n_substeps: vehicle.n_substeps, brakings, surroundings, start: None };
-        let mut moving = Moving { front: Front::new(), wheels: sent.wheels(sensed) };
-        let is_free = phases.into_iter().all(|phase| forecast.carry_out(&mut moving, phase));
-        forecast.start = is_free.then_some(moving);
+        let mut forecast = Self { dynamics, n_substeps: vehicle.n_substeps, brakings, surroundings, starts: None };
+        let start = |(sent, phases): (&Sent, Vec<Phase>)| {
+            let mut moving = Moving { front: Front::new(), wheels: sent.wheels(sensed) };
+            phases.into_iter().all(|phase| forecast.carry_out(&mut moving, phase)).then_some(moving)
+        };
+        forecast.starts = sent.iter().zip(ways).map(start).collect();
         forecast
     }
 
-    /// Whether the vehicle can stop after a period of carrying out a command.
+    /// Whether the vehicle can stop after a period of carrying out a command, whenever that begins.
     pub(super) fn is_safe(&self, command: Command) -> bool {
-        let Some(mut moving) = self.start else { return false };
+        self.starts.as_ref().is_some_and(|starts| starts.iter().all(|start| self.can_stop_after(command, *start)))
+    }
+
+    fn can_stop_after(&self, command: Command, mut moving: Moving) -> bool {
         self.carry_out(&mut moving, (command, self.n_substeps))
             && self.brakings.iter().all(|braking| self.is_free_braking(moving, braking))
     }

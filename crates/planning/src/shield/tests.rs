@@ -99,14 +99,15 @@ proptest! {
         seed in 0..10_000_u64,
         (kind, drive_kind) in (0..3_usize, 0..3_usize),
         n_beams in 360..=720_usize,
-        n_late in 0..10_usize,
+        (n_late, n_less, n_more) in (0..10_usize, 0..5_usize, 0..3_usize),
         (has_lags, speed_lag, yaw_rate_lag) in (any::<bool>(), 0.01..0.5, 0.01..0.5),
         confidence in 0.5..=1.0,
         (max_speed, max_acceleration, max_reverse_speed) in (0.5..3.0, 0.5..4.0, 0.0..1.0),
         control_period in 0.05..0.3,
     ) {
         let limits = VehicleSpec { max_speed, max_acceleration, max_reverse_speed, ..VehicleSpec::default() };
-        let latency = n_late as f64 * control_period / 4.0;
+        let [least, latency, most] =
+            [n_late.saturating_sub(n_less), n_late, n_late + n_more].map(|n| n as f64 * control_period / 4.0);
         let actuation = ActuationSpec { latency, ..ActuationSpec::default() };
         let actuation = if has_lags { ActuationSpec { speed_lag, yaw_rate_lag, ..actuation } } else { actuation };
         let (footprint, drive_spec) = (footprint(kind), drive_of(drive_kind));
@@ -115,6 +116,8 @@ proptest! {
         let kinds = Kinds { disc: 1.0, r#box: 1.0, polygon: 1.0 };
         let room = RoomSpec { kinds, obstacle_radius: Interval::Range([0.1, 0.5]), ..RoomSpec::default() };
         let scenario = WorldSpec::Room(room).build(vehicle.footprint()).unwrap().scenario(seed, 0).unwrap();
+        // What is told holds the latency, as it holds one that is drawn.
+        let latency = Interval::Range([least, most]);
         let mut shield = ShieldSpec { confidence, latency, ..ShieldSpec::default() }.build(reckless(seed)).unwrap();
         let start = VehicleState::at_rest(scenario.start);
         let driven = drive(&scenario.world, &vehicle, &Lidar::new(n_beams, 8.0), start, &mut shield, 100);
@@ -225,7 +228,7 @@ fn latency_is_braked_for() {
     let vehicle = VehicleSpec { max_acceleration: 2.0, ..VehicleSpec::default() }.build().unwrap();
     let lidar = Lidar { angles: vec![0.0], max_range: 8.0 };
     let passes = |latency: f64, room: f64| {
-        let spec = ShieldSpec { latency, ..ShieldSpec::default() };
+        let spec = ShieldSpec { latency: Interval::Fixed(latency), ..ShieldSpec::default() };
         let mut shield = spec.build(Reckless::AlwaysThis(Command::new(1.0, 0.0))).unwrap();
         let state = VehicleState { twist: Twist::new(1.0, 0.0, 0.0), ..VehicleState::at_rest(Pose::identity()) };
         for _ in 0..3 {
@@ -275,7 +278,8 @@ fn refusals_name_the_field() {
     let refusal = |spec: ShieldSpec| spec.build(PurePursuit::default()).unwrap_err().field;
     assert_eq!(refusal(ShieldSpec { margin: 0.0, ..ShieldSpec::default() }), "margin");
     assert_eq!(refusal(ShieldSpec { confidence: f64::NAN, ..ShieldSpec::default() }), "confidence");
-    assert_eq!(refusal(ShieldSpec { latency: -1.0, ..ShieldSpec::default() }), "latency");
+    assert_eq!(refusal(ShieldSpec { latency: Interval::Fixed(-1.0), ..ShieldSpec::default() }), "latency");
+    assert_eq!(refusal(ShieldSpec { latency: Interval::Range([0.2, 0.1]), ..ShieldSpec::default() }), "latency");
 }
 
 /// What the tests above would find: a shield that knows nothing of a latency does not keep a vehicle safe from it.
@@ -286,9 +290,25 @@ fn a_latency_that_is_not_told_is_not_braked_for() {
     let vehicle = VehicleSpec { max_speed: 3.0, actuation, ..VehicleSpec::default() }.build().unwrap();
     let start = VehicleState::at_rest(Pose::translation(2.0, 1.0));
     let end = |latency: f64| {
-        let spec = ShieldSpec { latency, confidence: 1.0, ..ShieldSpec::default() };
+        let spec = ShieldSpec { latency: Interval::Fixed(latency), confidence: 1.0, ..ShieldSpec::default() };
         let mut shield = spec.build(Reckless::AlwaysThis(Command::new(3.0, 0.0))).unwrap();
         drive(&world, &vehicle, &Lidar::new(360, 8.0), start.clone(), &mut shield, 150)
     };
     assert!(end(0.0).is_err() && end(0.6).is_ok());
+}
+
+/// A shield told the greatest latency only lets vehicles of lesser ones hit something: they turn sooner than it foresees.
+#[test]
+fn no_latency_is_the_worst_one() {
+    let is_hit = |seed: u64, n_late: u32, told: Interval| {
+        let limits = VehicleSpec { max_reverse_speed: 0.5, ..VehicleSpec::default() };
+        let actuation = ActuationSpec { latency: f64::from(n_late) * 0.05, ..ActuationSpec::default() };
+        let vehicle = VehicleSpec { actuation, ..limits }.build().unwrap();
+        let scenario = WorldSpec::default().build(vehicle.footprint()).unwrap().scenario(seed, 0).unwrap();
+        let mut shield = ShieldSpec { latency: told, ..ShieldSpec::default() }.build(reckless(3 + 6 * seed)).unwrap();
+        let start = VehicleState::at_rest(scenario.start);
+        drive(&scenario.world, &vehicle, &Lidar::new(360, 8.0), start, &mut shield, 100).is_err()
+    };
+    let n_hits = |told: Interval| (0..45).filter(|k| is_hit(u64::from(*k), k % 9, told)).count();
+    assert_eq!((n_hits(Interval::Fixed(0.4)), n_hits(Interval::Range([0.0, 0.4]))), (7, 0));
 }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::trial::{End, Lidar, drive};
+use crate::trial::{End, Lidar, Trial};
 use crate::{GridMap, ShieldSpec, plan};
 use headway_sim::{Pose, Shape, Twist, Vehicle, VehicleSpec, VehicleState, WorldSpec};
 
@@ -67,17 +67,18 @@ fn brakes_for_what_is_ahead() {
 /// How many of 20 scenarios end in an arrival, and in a collision.
 fn ends(vehicle: &Vehicle, has_route: bool, driver: &mut dyn Controller) -> (usize, usize) {
     let source = WorldSpec::Room10x15 {}.build(vehicle.footprint()).unwrap();
-    let (lidar, radius) = (Lidar::new(360, 5.0), vehicle.footprint().circumradius());
+    let radius = vehicle.footprint().circumradius();
     let end = |index: u64| {
         let scenario = source.scenario(11, index).unwrap();
         let map = GridMap::from_world(&scenario.world, 0.1, radius + 0.1);
         let start = Point::from(scenario.start.translation.vector);
         let route = plan(&map, &start, &scenario.goal).filter(|_| has_route);
-        drive(&scenario, vehicle, &lidar, route.as_ref(), driver)
+        let trial = Trial::new(&scenario.world, vehicle, scenario.start, scenario.goal);
+        Trial { lidar: Lidar::new(360, 5.0), route: route.as_ref(), ..trial }.drive(driver)
     };
     let ends: Vec<End> = (0..20).map(end).collect();
     let count = |wanted: fn(&End) -> bool| ends.iter().filter(|end| wanted(end)).count();
-    (count(|end| matches!(end, End::Arrived { .. })), count(|end| *end == End::Collided))
+    (count(|end| matches!(end, End::Arrived(_))), count(|end| *end == End::Collided))
 }
 
 #[test]

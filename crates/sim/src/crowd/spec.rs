@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::loops;
-use crate::check::{non_negative, positive, within};
+use crate::check::within;
 use crate::{FieldError, Interval, Kinds};
 
 /// Obstacles that move, as data: how many, which, how fast, and by what rule.
@@ -108,11 +108,7 @@ impl CrowdSpec {
             within(field, n, 0.0, 1000.0)?;
             if n.fract() == 0.0 { Ok(()) } else { Err(FieldError::new(field, n, "a whole number")) }
         })?;
-        let Kinds { disc, r#box, polygon } = self.kinds;
-        for (field, weight) in [("kinds.disc", disc), ("kinds.box", r#box), ("kinds.polygon", polygon)] {
-            non_negative(field, weight)?;
-        }
-        positive("kinds (their sum)", disc + r#box + polygon)?;
+        self.kinds.check()?;
         self.radius.check("radius", |field, x| within(field, x, 1e-3, 100.0))?;
         self.speed.check("speed", |field, x| within(field, x, 0.0, 100.0))?;
         within("min_gap", self.min_gap, 0.01, 100.0)?;

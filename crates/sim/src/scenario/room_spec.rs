@@ -111,10 +111,6 @@ impl RoomSpec {
                 }
             }
         }
-        let Kinds { disc, r#box, polygon } = self.kinds;
-        for (field, weight) in [("kinds.disc", disc), ("kinds.box", r#box), ("kinds.polygon", polygon)] {
-            non_negative(field, weight)?;
-        }
-        positive("kinds (their sum)", disc + r#box + polygon)
+        self.kinds.check()
     }
 }

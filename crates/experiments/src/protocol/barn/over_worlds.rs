@@ -63,7 +63,8 @@ mod tests {
     #[test]
     fn runs_that_are_alike_in_each_world_count_once() {
         let reference = Reference { length: 10.0, source: Source::File };
-        let [good, bad] = [Outcome::Success, Outcome::Collision].map(|outcome| vec![Run { outcome, time: 10.0 }; 10]);
+        let run = |outcome| Run { outcome, time: 10.0, interventions: Default::default() };
+        let [good, bad] = [Outcome::Success, Outcome::Collision].map(|outcome| vec![run(outcome); 10]);
         let worlds: Vec<(Reference, &[Run])> = [&good, &good, &good, &bad].map(|runs| (reference, &runs[..])).into();
         let over = OverWorlds::of(&worlds).unwrap();
         assert_eq!((over.success.low, over.success.high), wilson(3, 4));

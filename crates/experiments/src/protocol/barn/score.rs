@@ -22,10 +22,11 @@ impl Clip {
     /// ```
     /// use headway_experiments::episode::Outcome;
     /// use headway_experiments::protocol::barn::{Clip, Run};
-    /// let score = |clip: Clip, time| clip.score(5.0, &Run { outcome: Outcome::Success, time });
+    /// let run = |outcome, time| Run { outcome, time, interventions: Default::default() };
+    /// let score = |clip: Clip, time| clip.score(5.0, &run(Outcome::Success, time));
     /// assert_eq!([5.0, 15.0, 30.0, 60.0].map(|time| score(Clip::From2To8, time)), [0.5, 1.0 / 3.0, 1.0 / 6.0, 0.125]);
     /// assert_eq!([5.0, 15.0, 30.0, 60.0].map(|time| score(Clip::From4To8, time)), [0.25, 0.25, 1.0 / 6.0, 0.125]);
-    /// assert_eq!(Clip::From2To8.score(5.0, &Run { outcome: Outcome::Collision, time: 5.0 }), 0.0);
+    /// assert_eq!(Clip::From2To8.score(5.0, &run(Outcome::Collision, 5.0)), 0.0);
     /// ```
     #[must_use]
     pub fn score(self, optimal: f64, run: &Run) -> f64 {

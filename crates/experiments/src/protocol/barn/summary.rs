@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use headway_planning::Interventions;
 use serde::Serialize;
 
 use super::{Clip, Conditions, Course, OverWorlds, Run, Source};
@@ -27,6 +28,12 @@ pub struct Row {
     pub score_2022: f64,
     /// Mean score of the later ones: [`Clip::From2To8`].
     pub score_2023: f64,
+    /// The share of all commands that the shield did not pass on as they were, if there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vetoes: Option<f64>,
+    /// The share of all commands in whose place it braked, likewise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stops: Option<f64>,
     /// Of all worlds together: intervals of the rates.
     #[serde(flatten)]
     pub intervals: Option<Intervals>,
@@ -126,6 +133,9 @@ impl Row {
         let mean_score = |clip: Clip| runs.iter().map(|(optimal, run)| clip.score(*optimal, run)).sum::<f64>() / n;
         let times: Vec<f64> =
             runs.iter().filter(|(_, run)| run.outcome == Outcome::Success).map(|(_, run)| run.time).collect();
+        let count = |of: fn(&Interventions) -> u64| runs.iter().map(|(_, run)| of(&run.interventions)).sum::<u64>();
+        let n_commands = count(|i| i.n_commands);
+        let of_commands = |n: u64| (n_commands > 0).then(|| n as f64 / n_commands as f64);
         Self {
             world: world.to_owned(),
             runs: runs.len(),
@@ -135,6 +145,8 @@ impl Row {
             mean_time: (!times.is_empty()).then(|| times.iter().sum::<f64>() / times.len() as f64),
             score_2022: mean_score(Clip::From4To8),
             score_2023: mean_score(Clip::From2To8),
+            vetoes: of_commands(count(|i| i.n_vetoes)),
+            stops: of_commands(count(|i| i.n_stops)),
             intervals: None,
         }
     }
@@ -159,7 +171,7 @@ mod tests {
 
     #[test]
     fn figures_by_hand() {
-        let run = |outcome, time| (5.0, Run { outcome, time });
+        let run = |outcome, time| (5.0, Run { outcome, time, interventions: Interventions::default() });
         let runs = [
             run(Outcome::Success, 10.0),
             run(Outcome::Success, 25.0),
@@ -170,6 +182,16 @@ mod tests {
         assert_eq!((row.runs, row.success, row.collision, row.timeout), (4, 0.5, 0.25, 0.25));
         assert_eq!(row.mean_time, Some(17.5));
         assert_eq!((row.score_2022, row.score_2023), ((0.25 + 0.2) / 4.0, (0.5 + 0.2) / 4.0));
-        assert_eq!(Row::of("w", &runs[2..]).mean_time, None);
+        assert_eq!((Row::of("w", &runs[2..]).mean_time, row.vetoes, row.stops), (None, None, None));
+    }
+
+    #[test]
+    fn interventions_are_shares_of_all_commands() {
+        let run = |n_commands, n_vetoes, n_stops| {
+            let interventions = Interventions { n_commands, n_vetoes, n_stops };
+            (5.0, Run { outcome: Outcome::Success, time: 10.0, interventions })
+        };
+        let row = Row::of("w", &[run(10, 4, 1), run(30, 6, 0)]);
+        assert_eq!((row.vetoes, row.stops), (Some(0.25), Some(0.025)));
     }
 }

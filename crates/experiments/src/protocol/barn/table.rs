@@ -19,9 +19,11 @@ impl Report {
     pub fn table(&self) -> String {
         let names = self.worlds.iter().map(|row| row.world.chars().count());
         let width = names.max().unwrap_or(0).max("over worlds".len());
+        let [names, units] =
+            if self.conditions.shield.is_some() { ["  vetoes   stops", "       %       %"] } else { [""; 2] };
         let mut text = format!(
-            "{:width$}  runs    success  collision    timeout  mean time   score   score\n\
-             {:width$}                %          %          %          s    2022    2023\n",
+            "{:width$}  runs    success  collision    timeout  mean time   score   score{names}\n\
+             {:width$}                %          %          %          s    2022    2023{units}\n",
             "world", ""
         );
         let rule = "\u{2500}".repeat(text.lines().map(|line| line.chars().count()).max().unwrap_or(0));
@@ -49,9 +51,12 @@ impl Report {
 
     fn legend(&self) -> String {
         let mut text = "mean time    of the successes\n\
-            scores       OT / clip(AT, 4 OT, 8 OT) for 2022, (2 OT, 8 OT) for 2023; 0 for a failure\n\
-            over runs    95 % Wilson intervals as if all runs were independent\n"
+            scores       OT / clip(AT, 4 OT, 8 OT) for 2022, (2 OT, 8 OT) for 2023; 0 for a failure\n"
             .to_owned();
+        if self.conditions.shield.is_some() {
+            text += "vetoes       commands that the shield did not pass on as they were, in % of all; stops: those it braked instead of\n";
+        }
+        text += "over runs    95 % Wilson intervals as if all runs were independent\n";
         if let Some(over) = &self.over_worlds {
             let range = |low: Option<f64>, high: Option<f64>| {
                 format!("{:.4}\u{2013}{:.4}", low.unwrap_or(f64::NAN), high.unwrap_or(f64::NAN))
@@ -91,10 +96,12 @@ impl Row {
     fn write(&self, text: &mut String, width: usize) {
         let percent = |share: f64| format!("{:.1}", 100.0 * share);
         let time = self.mean_time.map_or_else(|| "-".to_owned(), |time| format!("{time:.2}"));
+        let of_shield = |share: Option<f64>| share.map_or_else(String::new, |share| format!("{:>8}", percent(share)));
+        let (vetoes, stops) = (of_shield(self.vetoes), of_shield(self.stops));
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "{:width$}  {:>4}{:>11}{:>11}{:>11}{time:>11}  {:.4}  {:.4}",
+            "{:width$}  {:>4}{:>11}{:>11}{:>11}{time:>11}  {:.4}  {:.4}{vetoes}{stops}",
             self.world,
             self.runs,
             percent(self.success),
