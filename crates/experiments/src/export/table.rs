@@ -80,6 +80,7 @@ impl Table {
 
 #[cfg(test)]
 mod tests {
+    use parquet::file::metadata::RowGroupMetaData;
     use parquet::file::reader::{FileReader, SerializedFileReader};
 
     use super::*;
@@ -96,7 +97,7 @@ mod tests {
         };
         let groups = |file: &ExportedFile| {
             let reader = SerializedFileReader::new(File::open(&file.path).unwrap()).unwrap();
-            reader.metadata().row_groups().iter().map(|group| group.num_rows()).collect::<Vec<_>>()
+            reader.metadata().row_groups().iter().map(RowGroupMetaData::num_rows).collect::<Vec<_>>()
         };
         let n = GROUP + GROUP / 2;
         let (many, one) = (write("many", &[10, n - 20, 10, 0, GROUP]), write("one", &[n + GROUP]));
