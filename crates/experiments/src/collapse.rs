@@ -55,7 +55,8 @@ pub enum Collapse {
     TimesOut {
         /// Share of the episodes, in \[0, 1\], in the world where it is least.
         timeouts: f64,
-        /// Mean over the worlds of all distance over all time, m/s.
+        /// The mean speed of each world (all distance over all time in it), averaged over the worlds, each of which counts the
+        /// same however long its episodes are, m/s.
         mean_speed: f64,
     },
 }

@@ -3,6 +3,7 @@
 //! `docs/data.md` has their columns. Files hold no times and depend on nothing but the results: the same folder gives the same bytes.
 
 mod column;
+mod table;
 mod tables;
 
 use std::fs;
@@ -11,7 +12,7 @@ use std::path::{Path, PathBuf};
 use crate::Error;
 use crate::report::{self, Choice, Policy, Report};
 use crate::store::{Index, RunFolder};
-use column::{Column, parquet};
+use table::Table;
 use tables::{Episode, Interval};
 
 /// What an export left behind.
@@ -31,7 +32,7 @@ pub struct ExportedFile {
     /// Number of rows.
     pub n_rows: usize,
     /// Its size, bytes.
-    pub n_bytes: usize,
+    pub n_bytes: u64,
 }
 
 impl Export {
@@ -39,7 +40,8 @@ impl Export {
     /// are those of the episodes that `choice` names, driven again on all cores.
     ///
     /// # Errors
-    /// As [`report::load`] and [`report::steps`], before anything is written; [`Error::Io`] if a file cannot be written.
+    /// As [`report::load`] and [`report::steps`], before anything is written; [`Error::Io`] if a file cannot be written. Tables that
+    /// were there stay as they are until all are whole.
     ///
     /// ```
     /// use headway_experiments::export::Export;
@@ -51,50 +53,43 @@ impl Export {
     pub fn write(root: &Path, folder: &Path, choice: &Choice) -> Result<Self, Error> {
         let index = Index::load(root)?;
         let mut report = report::load(root)?;
-        let episodes = episodes(root, &index, &report)?;
-        let training = training(root, &report)?;
         let (drives, warnings) = report::steps(root, &report, choice)?;
-        let n_steps = drives.iter().map(|drive| drive.steps.len()).sum();
         fs::create_dir_all(folder).map_err(|error| Error::io("create the folder", folder, error))?;
-        let files = vec![
-            write(folder, "episodes", episodes.len(), &tables::episodes(&report.axes, &episodes))?,
-            write(folder, "training", training.len(), &tables::training(&report.axes, &training))?,
-            write(folder, "steps", n_steps, &tables::steps(&report, &drives))?,
-        ];
+        let episodes = Table::create(folder, "episodes", &tables::episodes(&report.axes, &[]))?;
+        let episodes =
+            episodes.fill(episodes_of_runs(root, &index, &report), |rows| tables::episodes(&report.axes, rows))?;
+        let training = Table::create(folder, "training", &tables::training(&report.axes, &[]))?;
+        let training = training.fill(metrics_of_runs(root, &report), |rows| tables::training(&report.axes, rows))?;
+        let (columns, n_steps) = (tables::steps(&report, &drives), drives.iter().map(|drive| drive.steps.len()).sum());
+        let mut steps = Table::create(folder, "steps", &columns)?;
+        steps.push(&columns, n_steps)?;
+        let files = [episodes, training, steps].into_iter().map(Table::finish).collect::<Result<_, _>>()?;
         report.warnings.extend(warnings);
         Ok(Self { files, notes: report.notes() })
     }
 }
 
-fn write(folder: &Path, name: &str, n_rows: usize, columns: &[Column]) -> Result<ExportedFile, Error> {
-    let path = folder.join(name).with_extension("parquet");
-    let bytes = parquet(name, columns).map_err(Error::failure)?;
-    fs::write(&path, &bytes).map_err(|error| Error::io("write", &path, error))?;
-    Ok(ExportedFile { path, n_rows, n_bytes: bytes.len() })
-}
-
-/// The episodes of all evaluations that are there, in the order of the report's runs.
-fn episodes<'a>(root: &Path, index: &'a Index, report: &'a Report) -> Result<Vec<Episode<'a>>, Error> {
-    let mut episodes = Vec::new();
+/// The episodes of each evaluation that is there, in the order of the report's runs.
+fn episodes_of_runs<'a>(
+    root: &Path,
+    index: &'a Index,
+    report: &'a Report,
+) -> impl Iterator<Item = Result<Vec<Episode<'a>>, Error>> {
     let evaluations = index.cells.iter().flat_map(|cell| cell.runs.iter().map(|_| &cell.evaluations));
-    for (run, evaluations) in report.runs.iter().zip(evaluations) {
-        let folder = RunFolder::new(root, &run.train_id);
-        for ((world, summary), evaluation) in run.summaries.iter().zip(evaluations) {
-            if summary.is_some() {
-                let records = folder.evaluation(&evaluation.eval_id).episodes()?;
-                episodes.extend(records.into_iter().map(|record| Episode { run, world, record }));
-            }
-        }
-    }
-    Ok(episodes)
+    let evaluations = report.runs.iter().zip(evaluations).flat_map(|(run, evaluations)| {
+        let worlds = run.summaries.iter().zip(evaluations).filter(|((_, summary), _)| summary.is_some());
+        worlds.map(move |((world, _), evaluation)| (run, world, &evaluation.eval_id))
+    });
+    evaluations.map(move |(run, world, id)| {
+        let records = RunFolder::new(root, &run.train_id).evaluation(id).episodes()?;
+        Ok(records.into_iter().map(|record| Episode { run, world, record }).collect())
+    })
 }
 
-/// The metrics of all runs that are trained, in the order of the report's runs.
-fn training<'a>(root: &Path, report: &'a Report) -> Result<Vec<Interval<'a>>, Error> {
-    let mut intervals = Vec::new();
-    for run in report.runs.iter().filter(|run| matches!(run.policy, Policy::At(_))) {
+/// The metrics of each run that is trained, in the order of the report's runs.
+fn metrics_of_runs<'a>(root: &Path, report: &'a Report) -> impl Iterator<Item = Result<Vec<Interval<'a>>, Error>> {
+    report.runs.iter().filter(|run| matches!(run.policy, Policy::At(_))).map(move |run| {
         let rows = RunFolder::new(root, &run.train_id).metrics()?;
-        intervals.extend(rows.into_iter().map(|row| Interval { run, row }));
-    }
-    Ok(intervals)
+        Ok(rows.into_iter().map(|row| Interval { run, row }).collect())
+    })
 }

@@ -6,12 +6,14 @@
 
 pub(crate) mod colour;
 mod figure;
+mod png;
 mod room;
 pub(crate) mod scale;
 mod speed;
 pub(crate) mod svg;
 
 pub use figure::{figure, small_multiples};
+pub use png::PngRenderer;
 
 use crate::episode::Outcome;
 

@@ -9,6 +9,7 @@ mod record;
 pub use event::EventFile;
 
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -16,6 +17,7 @@ use crate::Error;
 use crate::plan::Run;
 use crate::spec::check_folder;
 use crate::store::{Id, RunFolder};
+use crate::train::MetricsRow;
 
 /// The name of every event file: TensorBoard wants `tfevents` in it, and sorts a folder's files by what follows.
 const FILE: &str = "events.out.tfevents.0000000000.headway";
@@ -41,23 +43,32 @@ pub fn path(root: &Path, label: &str, id: &Id) -> PathBuf {
     root.join("tensorboard").join(if names_a_folder { label } else { id.as_str() }).join(FILE)
 }
 
-/// Writes the event files that are not there of runs that are trained: those of runs made without any. All their rows have the time of
-/// the last one.
+/// Writes the event files of runs that are trained, where they do not hold just the rows that the runs have: those of runs made without
+/// any, and those that an interrupted run or another spec left. All their rows have the time of the last one.
 ///
 /// # Errors
-/// If a run's metrics cannot be read, or a file cannot be written.
+/// If a run's metrics cannot be read, or a file cannot be read or written.
 pub(crate) fn complete(root: &Path, runs: &[Run<'_>]) -> Result<(), Error> {
     for run in runs {
         let (folder, path) = (RunFolder::new(root, &run.id), path(root, &run.label, &run.id));
         let rows = folder.metrics()?;
-        if path.exists() || rows.is_empty() {
+        if rows.is_empty() || holds(&path, &rows).map_err(|error| Error::io("read", &path, error))? {
             continue;
         }
-        let written = fs::metadata(folder.path().join("metrics.csv")).and_then(|metadata| metadata.modified());
+        let written = fs::metadata(folder.metrics_path()).and_then(|metadata| metadata.modified());
         let time = written.unwrap_or_else(|_| SystemTime::now());
         let file = EventFile::create(&path, time);
         let file = file.and_then(|mut file| rows.iter().try_for_each(|row| file.push(row, time)));
         file.map_err(|error| Error::io("write", &path, error))?;
     }
     Ok(())
+}
+
+/// Whether there is an event file at `path` that holds these rows, and nothing else.
+fn holds(path: &Path, rows: &[MetricsRow]) -> io::Result<bool> {
+    match fs::read(path) {
+        Ok(file) => Ok(event::holds(&file, rows)),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(false),
+        Err(error) => Err(error),
+    }
 }

@@ -213,6 +213,20 @@ fn all_cells_as_json() {
 }
 
 #[test]
+fn the_summary_of_many_levels_fits() {
+    let output = audit(&["sensitivity.toml"]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    let (cases, summary) = text.split_once("== summary ==").unwrap();
+    assert!(cases.contains("== reward=R change=none|6 obstacles|24 obstacles|"), "who shares a case is told there");
+    assert!(summary.contains("  reward=R change=none (and 4 more)  "), "{summary}");
+    assert!(summary.lines().all(|line| line.chars().count() <= 120), "{summary}");
+
+    let output = audit(&["quick.toml"]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("== arm=R ==") && !text.contains("agent="), "all cells have the agent: {text}");
+}
+
+#[test]
 fn what_cannot_be_audited_is_said() {
     let refused = |args: &[&str], expected: &str| {
         let output = audit(args);

@@ -16,6 +16,9 @@ const INDENT: usize = 10;
 pub struct Entry {
     /// The cells: the levels that tell them from others; empty where there are no others.
     pub cells: String,
+    /// The same where there is little room: of several levels only the first is named.
+    #[serde(skip)]
+    pub short_cells: String,
     /// The reward in a few words.
     pub reward_in_words: String,
     /// What was audited.
@@ -216,7 +219,7 @@ fn summary(entries: &[Entry]) -> String {
             [[0.0, 1.0]] => "at every gamma".to_owned(),
             several => several.iter().map(interval).collect::<Vec<_>>().join(" and "),
         };
-        [entry.cells.clone(), verdict(audit).to_owned(), best_paid(audit), gammas, speed.to_owned()]
+        [entry.short_cells.clone(), verdict(audit).to_owned(), best_paid(audit), gammas, speed.to_owned()]
     };
     let rows: Vec<[String; 5]> = std::iter::once(head).chain(entries.iter().map(row)).collect();
     format!("\n== summary ==\n{}", columns(&rows, &[]))

@@ -166,9 +166,10 @@ Examples:
   experiments report results/table1 --format html
   experiments report results/table1 --format html --out table1.html --drives 3 --drive '*/10x15/0/17'
   experiments report results/table1 --format svg --out figures
+  experiments report results/table1 --format png --scale 3
 
 --format html writes one page that needs nothing beside it: tables, intervals, learning curves, and drives to play.
---format svg writes the same charts, and the drives, as files. Both drive chosen episodes again: minutes for large grids.")]
+--format svg writes the same charts, and the drives, as files; --format png too. All three drive chosen episodes again: minutes for large grids.")]
 pub struct ReportArgs {
     /// The folder that `experiments run --out DIR` filled.
     #[arg(value_name = "DIR")]
@@ -182,6 +183,9 @@ pub struct ReportArgs {
     /// Where the page goes [default: DIR/report.html], or the folder of figures [default: DIR/figures].
     #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
+    /// Pixels of a PNG for each of the SVG's [default: 2].
+    #[arg(long, value_name = "N", value_parser = scale)]
+    pub scale: Option<f64>,
     /// How many drives of each outcome the page or the figures show of each cell and world [default: 1].
     #[arg(long, value_name = "N")]
     pub drives: Option<NonZeroUsize>,
@@ -364,6 +368,11 @@ fn metres(text: &str) -> Result<f64, String> {
     metres.ok_or_else(|| "must be a number above 0, at most 1000".to_owned())
 }
 
+fn scale(text: &str) -> Result<f64, String> {
+    let scale = text.parse().ok().filter(|scale| (0.5..=10.0).contains(scale));
+    scale.ok_or_else(|| "must be a number from 0.5 to 10".to_owned())
+}
+
 /// How `experiments audit` prints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum AuditFormat {
@@ -386,6 +395,8 @@ pub enum ReportFormat {
     Html,
     /// Figures for papers, in a folder.
     Svg,
+    /// The same for slides, and for what takes no SVG.
+    Png,
 }
 
 /// How `experiments compare` prints.

@@ -32,7 +32,18 @@ pub fn execute(args: &AuditArgs, out: &mut dyn Write) -> Result<ExitCode, Error>
     for (case, cells) in cases(&cells, args.distance)? {
         let audit = Audit::of(&case)?;
         check_distance(args.distance, &audit)?;
-        entries.push(Entry { cells: label(&grid.axes, &cells), reward_in_words: case.reward_in_words(), case, audit });
+        let axes = levels(&grid.axes, &cells);
+        let label = |levels: fn(&[&str]) -> String| {
+            let words = axes.iter().map(|(axis, names)| format!("{axis}={}", levels(names)));
+            words.collect::<Vec<_>>().join(" ")
+        };
+        entries.push(Entry {
+            cells: label(|names| names.join("|")),
+            short_cells: label(shortened),
+            reward_in_words: case.reward_in_words(),
+            case,
+            audit,
+        });
     }
     print(
         out,
@@ -78,15 +89,21 @@ fn check_distance(asked: Option<f64>, audit: &Audit) -> Result<(), Error> {
     }
 }
 
-/// The levels that these cells have in common with no others: an axis all of whose levels are among them is left out.
-fn label(axes: &[Axis], cells: &[&Cell]) -> String {
-    let mut words = Vec::new();
-    for (k, axis) in axes.iter().enumerate() {
+/// The axes that tell these cells from others, each with the levels that they have of it: an axis all of whose levels are among them is
+/// left out.
+fn levels<'a>(axes: &'a [Axis], cells: &[&Cell]) -> Vec<(&'a str, Vec<&'a str>)> {
+    let of_axis = |(k, axis): (usize, &'a Axis)| {
         let held = |level: &&String| cells.iter().any(|cell| cell.axes[k].1 == **level);
         let levels: Vec<&str> = axis.levels.keys().filter(held).map(String::as_str).collect();
-        if levels.len() < axis.levels.len() || levels.len() == 1 {
-            words.push(format!("{}={}", axis.name, levels.join("|")));
-        }
+        (levels.len() < axis.levels.len()).then_some((axis.name.as_str(), levels))
+    };
+    axes.iter().enumerate().filter_map(of_axis).collect()
+}
+
+/// The first of several levels, and how many more there are.
+fn shortened(levels: &[&str]) -> String {
+    match levels {
+        [first, rest @ ..] if !rest.is_empty() => format!("{first} (and {} more)", rest.len()),
+        few => few.concat(),
     }
-    words.join(" ")
 }

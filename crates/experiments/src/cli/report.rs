@@ -6,7 +6,7 @@ use std::path::Path;
 use super::args::{ReportArgs, ReportFormat};
 use super::print;
 use crate::error::Error;
-use crate::report::{self, Study, Trajectories};
+use crate::report::{self, FigureFormat, Study, Trajectories};
 
 /// Prints the report on a results folder to `out`, or a list of its runs, or writes it to files; with a format for machines,
 /// what a reader must know of it goes to stderr.
@@ -15,9 +15,16 @@ use crate::report::{self, Study, Trajectories};
 /// [`Error::Input`] if the folder holds no results, a file in it is damaged or an option does not go with the format;
 /// [`Error::Io`] if the folder cannot be read, or `out` or a file cannot be written to.
 pub fn execute(args: &ReportArgs, out: &mut dyn Write) -> Result<(), Error> {
+    if args.scale.is_some() && args.format != ReportFormat::Png {
+        return Err(Error::Input("--scale goes with --format png".into()));
+    }
     let notes = match args.format {
         ReportFormat::Html => write_page(args, out)?,
-        ReportFormat::Svg => write_figures(args, out)?,
+        ReportFormat::Svg => write_figures(args, FigureFormat::Svg, out)?,
+        ReportFormat::Png => {
+            let scale = args.scale.unwrap_or(2.0);
+            write_figures(args, FigureFormat::Png { scale }, out)?
+        }
         ReportFormat::Table | ReportFormat::Json | ReportFormat::Csv => print_report(args, out)?,
     };
     for note in notes {
@@ -30,7 +37,7 @@ pub fn execute(args: &ReportArgs, out: &mut dyn Write) -> Result<(), Error> {
 /// Prints text; the notes that are not in it.
 fn print_report(args: &ReportArgs, out: &mut dyn Write) -> Result<Vec<String>, Error> {
     if args.out.is_some() || args.drives.is_some() || !args.drive.is_empty() {
-        return Err(Error::Input("--out, --drives and --drive go with --format html or svg".into()));
+        return Err(Error::Input("--out, --drives and --drive go with --format html, svg or png".into()));
     }
     let report = report::load(&args.dir)?;
     if args.runs {
@@ -61,10 +68,10 @@ fn write_page(args: &ReportArgs, out: &mut dyn Write) -> Result<Vec<String>, Err
     Ok(study.report.notes())
 }
 
-fn write_figures(args: &ReportArgs, out: &mut dyn Write) -> Result<Vec<String>, Error> {
+fn write_figures(args: &ReportArgs, format: FigureFormat, out: &mut dyn Write) -> Result<Vec<String>, Error> {
     let folder = args.out.clone().unwrap_or_else(|| args.dir.join("figures"));
     let study = Study::load(&args.dir, &args.choice(), Trajectories::Kept)?;
-    let paths = study.write_figures(&folder)?;
+    let paths = study.write_figures(&folder, format)?;
     let lines: String = paths.iter().map(|path| format!("{}\n", path.display())).collect();
     print(out, &lines)?;
     Ok(study.report.notes())

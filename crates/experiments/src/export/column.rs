@@ -2,6 +2,7 @@
 //!
 //! Knows nothing of runs: whoever has rows hands each column an iterator over their values.
 
+use std::io::Write;
 use std::sync::Arc;
 
 use parquet::basic::{LogicalType, Repetition, Type as PhysicalType};
@@ -139,30 +140,49 @@ fn split<T>(values: impl Iterator<Item = Option<T>>) -> (Vec<T>, Levels) {
     (there, Levels::Optional(definition))
 }
 
-/// A Parquet file of these columns: the same bytes for the same values.
-///
-/// # Errors
-/// If the columns have different numbers of rows.
-pub(super) fn parquet(name: &str, columns: &[Column]) -> Result<Vec<u8>> {
-    let fields = columns.iter().map(Column::schema).collect::<Result<_>>()?;
-    let schema = Type::group_type_builder(name).with_fields(fields).build()?;
-    let created_by = concat!("headway ", env!("CARGO_PKG_VERSION")).to_owned();
-    let properties = WriterProperties::builder().set_created_by(created_by).build();
-    let mut writer = SerializedFileWriter::new(Vec::new(), Arc::new(schema), Arc::new(properties))?;
-    let mut group = writer.next_row_group()?;
-    for column in columns {
-        let mut writer = group.next_column()?.expect("a writer for each column of the schema");
-        column.write(&mut writer)?;
-        writer.close()?;
+/// A Parquet file that is being written, a row group at a time: the same bytes for the same values in the same groups.
+pub(super) struct TableWriter<W: Write + Send> {
+    writer: SerializedFileWriter<W>,
+}
+
+impl<W: Write + Send> TableWriter<W> {
+    /// Starts the file of a table with columns like these; their values are not looked at.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub(super) fn new(sink: W, name: &str, columns: &[Column]) -> Result<Self> {
+        let fields = columns.iter().map(Column::schema).collect::<Result<_>>()?;
+        let schema = Type::group_type_builder(name).with_fields(fields).build()?;
+        let created_by = concat!("headway ", env!("CARGO_PKG_VERSION")).to_owned();
+        let properties = WriterProperties::builder().set_created_by(created_by).build();
+        Ok(Self { writer: SerializedFileWriter::new(sink, Arc::new(schema), Arc::new(properties))? })
     }
-    group.close()?;
-    writer.into_inner()
+
+    /// Appends the rows of these columns as a group.
+    ///
+    /// # Errors
+    /// If the columns have different numbers of rows, or it cannot be written.
+    pub(super) fn push(&mut self, columns: &[Column]) -> Result<()> {
+        let mut group = self.writer.next_row_group()?;
+        for column in columns {
+            let mut writer = group.next_column()?.expect("a writer for each column of the schema");
+            column.write(&mut writer)?;
+            writer.close()?;
+        }
+        group.close().map(|_| ())
+    }
+
+    /// Ends the file.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub(super) fn finish(self) -> Result<W> {
+        self.writer.into_inner()
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use std::io::Write;
-
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::record::Field;
 
@@ -174,6 +194,12 @@ mod tests {
         let reader = SerializedFileReader::new(stored).unwrap();
         let rows = reader.get_row_iter(None).unwrap();
         rows.map(|row| row.unwrap().into_columns().into_iter().map(|(_, field)| field).collect()).collect()
+    }
+
+    fn parquet(name: &str, columns: &[Column]) -> Result<Vec<u8>> {
+        let mut table = TableWriter::new(Vec::new(), name, columns)?;
+        table.push(columns)?;
+        table.finish()
     }
 
     fn columns() -> Vec<Column> {

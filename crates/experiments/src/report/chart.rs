@@ -58,9 +58,9 @@ fn padded(low: f64, high: f64) -> [f64; 2] {
     }
 }
 
-/// The width of a text in the font of charts, roughly, pixels.
+/// The width of a text in the widest of the fonts that charts ask for, roughly, pixels.
 fn text_width(text: &str) -> f64 {
-    6.9 * text.chars().count() as f64
+    8.0 * text.chars().count() as f64
 }
 
 /// Opens a group with attributes and, if there is one, a tip that browsers show beside it.

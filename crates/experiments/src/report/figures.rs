@@ -28,6 +28,18 @@ pub struct Figure {
     pub is_wide: bool,
 }
 
+/// What figures are written as.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FigureFormat {
+    /// SVG.
+    Svg,
+    /// PNG.
+    Png {
+        /// Pixels for each of the SVG's, positive.
+        scale: f64,
+    },
+}
+
 /// The figures of a study by what they tell.
 #[derive(Debug)]
 pub(super) struct Figures {
@@ -42,8 +54,9 @@ impl Study {
     /// over clearance, and, if the study was loaded with them, every drive. The paths of the files.
     ///
     /// # Errors
-    /// If a file cannot be written.
-    pub fn write_figures(&self, folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    /// [`Error::Input`] if a PNG would be too large; [`Error::Io`] if a file cannot be written.
+    pub fn write_figures(&self, folder: &Path, format: FigureFormat) -> Result<Vec<PathBuf>, Error> {
+        let renderer = plot::PngRenderer::default();
         std::fs::create_dir_all(folder).map_err(|error| Error::io("create the folder", folder, error))?;
         let Figures { intervals, comparison, curves, clearance } = self.figures();
         let charts = [intervals, comparison, curves, clearance].concat();
@@ -56,8 +69,13 @@ impl Study {
         });
         let mut paths = Vec::new();
         for (name, svg) in charts.chain(drives) {
-            let path = free_path(folder, &name, &paths);
-            std::fs::write(&path, svg).map_err(|error| Error::io("write", &path, error))?;
+            let (ending, bytes) = match format {
+                FigureFormat::Svg => ("svg", Some(svg.into_bytes())),
+                FigureFormat::Png { scale } => ("png", renderer.png(&svg, scale)),
+            };
+            let path = free_path(folder, &name, ending, &paths);
+            let too_large = || Error::Input(format!("--scale: `{}` would be too large", path.display()));
+            std::fs::write(&path, bytes.ok_or_else(too_large)?).map_err(|error| Error::io("write", &path, error))?;
             paths.push(path);
         }
         Ok(paths)
@@ -268,9 +286,9 @@ impl Facet {
 }
 
 /// The path of a figure: names that differ in what files cannot have must not share one.
-fn free_path(folder: &Path, name: &str, taken: &[PathBuf]) -> PathBuf {
-    let numbered = (2..).map(|k| folder.join(format!("{name}-{k}.svg")));
-    let mut paths = std::iter::once(folder.join(format!("{name}.svg"))).chain(numbered);
+fn free_path(folder: &Path, name: &str, ending: &str, taken: &[PathBuf]) -> PathBuf {
+    let numbered = (2..).map(|k| folder.join(format!("{name}-{k}.{ending}")));
+    let mut paths = std::iter::once(folder.join(format!("{name}.{ending}"))).chain(numbered);
     paths.find(|path| !taken.contains(path)).expect("numbers do not end")
 }
 
@@ -292,7 +310,7 @@ mod tests {
     #[test]
     fn files_stay_in_their_folder() {
         assert_eq!(file_name("drive-../a b-R=1"), "drive-..-a-b-R-1");
-        let first = free_path(Path::new("f"), "a", &[]);
-        assert_eq!(free_path(Path::new("f"), "a", &[first]), Path::new("f/a-2.svg"));
+        let first = free_path(Path::new("f"), "a", "svg", &[]);
+        assert_eq!(free_path(Path::new("f"), "a", "svg", &[first]), Path::new("f/a-2.svg"));
     }
 }

@@ -21,11 +21,12 @@ use text::{escaped, fill, in_script};
 
 const TEMPLATE: &str = include_str!("html/page.html");
 const STYLE: &str = include_str!("html/page.css");
-const SCRIPTS: [&str; 5] = [
+const SCRIPTS: [&str; 6] = [
     include_str!("html/trace.js"),
     include_str!("html/surface.js"),
     include_str!("html/scene.js"),
     include_str!("html/player.js"),
+    include_str!("html/sort.js"),
     include_str!("html/page.js"),
 ];
 

@@ -8,11 +8,14 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use super::record::framed;
+use super::record::{framed, unframed};
 use crate::train::MetricsRow;
 
 /// What the first event of a file says.
 const FILE_VERSION: &str = "brain.Event:2";
+
+/// Bytes of the wall time, with which every event begins: a key and a double.
+const WALL_TIME: usize = 1 + 8;
 
 /// An event file that is being written.
 #[derive(Debug)]
@@ -39,6 +42,17 @@ impl EventFile {
     pub fn push(&mut self, row: &MetricsRow, time: SystemTime) -> io::Result<()> {
         self.file.write_all(&framed(&scalars(row, time)))
     }
+}
+
+/// Whether the bytes are a whole event file of just these rows, whenever they were written.
+pub(super) fn holds(file: &[u8], rows: &[MetricsRow]) -> bool {
+    let any = UNIX_EPOCH;
+    let expected: Vec<Vec<u8>> = std::iter::once(header(any)).chain(rows.iter().map(|row| scalars(row, any))).collect();
+    let are_expected = |events: Vec<&[u8]>| {
+        let says_as_much = |(event, expected): (&&[u8], &Vec<u8>)| event.get(WALL_TIME..) == expected.get(WALL_TIME..);
+        events.len() == expected.len() && events.iter().zip(&expected).all(says_as_much)
+    };
+    unframed(file).is_some_and(are_expected)
 }
 
 /// `Event { wall_time = 1, file_version = 3 }`.

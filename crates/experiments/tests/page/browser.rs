@@ -49,10 +49,33 @@ fn it_works_in_a_browser() {
             "new Promise((tell) => { const ask = () => globalThis.probe?.drives ? probe.result.then(tell) : setTimeout(ask, 50); ask(); })",
         );
         assert_eq!(found["failed"], json!([]), "{width} pixels");
-        assert_eq!(browser.complaints, [] as [String; 0], "{width} pixels");
         assert!(found["drives"].as_u64().is_some_and(|n| n >= 6), "{found}");
+        sorts_by_key(&mut browser);
+        prints_what_is_closed(&mut browser);
+        assert_eq!(browser.complaints, [] as [String; 0], "{width} pixels");
         assert!(found["loaded"].as_f64().is_some_and(|loaded: f64| loaded < MAX_LOAD), "{width} pixels: {found}");
     }
+}
+
+/// The head of a column takes the focus, and Enter sorts by it.
+fn sorts_by_key(browser: &mut Browser) {
+    browser.wait_for("document.querySelector('.results th.n[data-metric] button').focus()");
+    let sort = "document.activeElement.closest('th').getAttribute('aria-sort')";
+    assert_eq!(browser.wait_for(sort), Value::Null);
+    for kind in ["keyDown", "keyUp"] {
+        let enter = json!({ "type": kind, "key": "Enter", "code": "Enter", "windowsVirtualKeyCode": 13, "text": "\r" });
+        browser.call("Input.dispatchKeyEvent", enter);
+    }
+    assert_eq!(browser.wait_for(sort), "ascending");
+}
+
+/// On paper the lists of runs are open, whatever is closed in the window.
+fn prints_what_is_closed(browser: &mut Browser) {
+    let n_visible =
+        "[...document.querySelectorAll('details:not([open]) table')].filter((table) => table.checkVisibility()).length";
+    assert_eq!(browser.wait_for(n_visible), 0);
+    browser.call("Emulation.setEmulatedMedia", json!({ "media": "print" }));
+    assert_eq!(browser.wait_for(n_visible), 5, "six lists, of which one was opened");
 }
 
 #[test]

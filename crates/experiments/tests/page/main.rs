@@ -148,7 +148,7 @@ fn drives_are_chosen_by_rule_or_by_name() {
         let error = bench.fail(&["report", "out", "--format", "html", "--out", "no.html", "--drive", pick]);
         assert!(error.contains(said), "{pick}: {error}");
     }
-    assert!(bench.fail(&["report", "out", "--drives", "2"]).contains("go with --format html or svg"));
+    assert!(bench.fail(&["report", "out", "--drives", "2"]).contains("go with --format html, svg or png"));
     assert!(
         bench.fail(&["report", "out", "--format", "html", "--out", "no/p.html"]).contains("there is no folder `no`")
     );
@@ -164,6 +164,52 @@ fn figures_are_files() {
         let path = listed.lines().find(|line| line.starts_with(&format!("figures/{start}"))).expect(start);
         let svg = fs::read_to_string(bench.path(path)).unwrap();
         assert!(svg.starts_with("<svg xmlns=") && svg.ends_with("</svg>\n") && !svg.contains("NaN"), "{path}");
+    }
+}
+
+#[test]
+fn figures_are_pixels_too() {
+    let bench = Bench::get();
+    let names = |listed: &str, ending: &str| -> Vec<String> {
+        let names =
+            listed.lines().map(|line| line.rsplit('/').next().unwrap().strip_suffix(ending).unwrap().to_owned());
+        names.collect()
+    };
+    let drawn = names(&bench.succeed(&["report", "out", "--format", "svg", "--out", "drawn"]), ".svg");
+    let painted = bench.succeed(&["report", "out", "--format", "png", "--out", "painted", "--scale", "1.5"]);
+    assert_eq!(names(&painted, ".png"), drawn);
+    for name in drawn {
+        let svg = fs::read_to_string(bench.path(&format!("drawn/{name}.svg"))).unwrap();
+        let picture = image::open(bench.path(&format!("painted/{name}.png"))).unwrap().to_rgba8();
+        let side = |of: &str| {
+            svg.split_once(&format!(" {of}=\"")).unwrap().1.split('"').next().unwrap().parse::<f64>().unwrap()
+        };
+        let size = [side("width"), side("height")].map(|side| (1.5 * side).round() as u32);
+        assert_eq!([picture.width(), picture.height()], size, "{name}");
+        assert!(picture.pixels().all(|pixel| pixel[3] == 255), "{name} stands on white");
+        let n_dark = picture.pixels().filter(|pixel| pixel.0[..3].iter().all(|channel| *channel < 100)).count();
+        assert!(n_dark > 500, "{name} has axes and words: {n_dark} dark pixels");
+    }
+    assert!(
+        bench.fail(&["report", "out", "--format", "svg", "--scale", "2"]).contains("--scale goes with --format png")
+    );
+    assert!(bench.fail(&["report", "out", "--format", "png", "--scale", "99"]).contains("from 0.5 to 10"));
+}
+
+#[test]
+fn words_are_painted() {
+    let renderer = headway_experiments::plot::PngRenderer::default();
+    let dark = |text: &str| {
+        let svg = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"200\" height=\"40\" font-family=\"Helvetica, 'DejaVu Sans', sans-serif\">\
+             <rect width=\"100%\" height=\"100%\" fill=\"white\"/><text x=\"5\" y=\"25\">{text}</text></svg>"
+        );
+        let picture = image::load_from_memory(&renderer.png(&svg, 2.0).unwrap()).unwrap().to_luma8();
+        picture.pixels().filter(|pixel| pixel[0] < 200).count()
+    };
+    assert_eq!(dark(""), 0);
+    for text in ["success", "\u{3c4}", "m/s\u{b3}", "\u{2013}", "R \u{b7} 10x15"] {
+        assert!(dark(text) > 5, "{text}");
     }
 }
 

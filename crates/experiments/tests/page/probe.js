@@ -20,6 +20,33 @@ const isPainted = (canvas) => {
   const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
   return new Set(new Uint32Array(data.buffer)).size > 5;
 };
+function sortsResults() {
+  const table = document.querySelector(".results");
+  const heads = [...table.tHead.rows[0].cells];
+  const sorted = (title) => {
+    const column = heads.findIndex((head) => head.textContent.startsWith(title));
+    heads[column].querySelector("button").click();
+    return [...table.tBodies].map((body) => [...body.rows].map((row) => row.cells[column].dataset.value ?? row.cells[column].textContent));
+  };
+  const order = () => [...table.querySelectorAll("tbody tr")].map((row) => row.querySelector("a").hash).join();
+  const cells = () => [...table.tBodies].map((body) => new Set([...body.rows].map((row) => row.cells[0].textContent)).size).join();
+  const isAscending = (values) => values.every((value, k) => k === 0 || Number(values[k - 1]) <= Number(value));
+  const asWritten = order();
+  const up = sorted("mean speed");
+  check("numbers ascend", up.length === 3 && up.every(isAscending) && isAscending(up.map((cell) => cell[0])));
+  check("rows of a cell stay together", cells() === "1,1,1");
+  const head = heads.find((head) => head.textContent.startsWith("mean speed"));
+  check("the head says so", head.getAttribute("aria-sort") === "ascending");
+  const down = sorted("mean speed");
+  check("then they descend", isAscending(down.map((cell) => cell[0]).reverse()) && down.every((cell) => isAscending([...cell].reverse())));
+  check("which it says too", head.getAttribute("aria-sort") === "descending" && table.querySelectorAll("[aria-sort]").length === 1);
+  sorted("mean speed");
+  check("then they stand as written", order() === asWritten && !head.hasAttribute("aria-sort"));
+  check("names are sorted as texts", sorted("<i>who")[0][0].startsWith("DDQN"));
+  const [many, few] = ["10", "9.5"].map((value) => Object.assign(document.createElement("td"), { textContent: value }));
+  check("numbers are no texts", compare(keyOf(many), keyOf(few), "ascending") > 0);
+  check("what is undefined comes last", [1, "a"].every((key) => ["ascending", "descending"].every((way) => compare(null, key, way) > 0)));
+}
 async function use() {
   check("the page gets ready", document.documentElement.dataset.ready === "yes");
   check("it shows a drive", probe.drives > 0 && document.querySelector("#drive-figure svg"));
@@ -51,6 +78,7 @@ async function use() {
     element("next").click();
     check(`drive ${number} is shown`, element("drive").value === String(number) && isPainted(element("room")));
   }
+  sortsResults();
   const number = document.querySelector(".results a");
   number.click();
   await wait(100);

@@ -78,6 +78,38 @@ fn event_files_lie_beside_runs_and_change_nothing_in_them() {
 }
 
 #[test]
+fn event_files_that_lack_rows_or_have_others_are_made_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = results(folder.path(), "out", &["--tensorboard"]);
+    let [(file, _), (others, _)] = &runs(&root)[..] else { panic!("two runs") };
+    let [whole, other] = [file, others].map(|path| fs::read(path).unwrap());
+    let lengths = records(file);
+    let header = lengths[0] + 16;
+    let last_row = whole.len() - lengths.last().unwrap() - 16;
+    let mut changed = whole.clone();
+    *changed.last_mut().unwrap() ^= 1;
+    let replaced = [
+        ("nothing", vec![]),
+        ("a header", whole[..header].to_vec()),
+        ("cut off between rows", whole[..last_row].to_vec()),
+        ("cut off in a row", whole[..whole.len() - 5].to_vec()),
+        ("a row too many", [&whole[..], &whole[last_row..]].concat()),
+        ("another run's rows", other.clone()),
+        ("damage", changed),
+    ];
+    for (what, bytes) in replaced {
+        fs::write(file, &bytes).unwrap();
+        results(folder.path(), "out", &["--tensorboard"]);
+        let mended = fs::read(file).unwrap();
+        // The times of rows are not those of their writing any more; all else is.
+        assert_eq!(records(file), lengths, "{what}");
+        results(folder.path(), "out", &["--tensorboard"]);
+        assert_eq!(fs::read(file).unwrap(), mended, "{what}: what is whole stays");
+    }
+    assert_eq!(fs::read(others).unwrap(), other, "and so do the others");
+}
+
+#[test]
 #[ignore = "needs a Python with tensorboard, named by HEADWAY_PYTHON"]
 fn tensorboard_reads_every_number() {
     let python = std::env::var("HEADWAY_PYTHON").expect("HEADWAY_PYTHON names a Python");

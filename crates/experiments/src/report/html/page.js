@@ -139,6 +139,7 @@ function start() {
   showTips();
   listenToLegends();
   addSaveButtons();
+  document.querySelectorAll("table.sortable").forEach(makeSortable);
   followLinks(show);
   document.documentElement.dataset.ready = "yes";
 }

@@ -6,17 +6,23 @@ use crate::report::study::Study;
 use crate::report::table::{UNDEFINED, header_words, number};
 
 impl Study {
-    /// The table, one row per cell and world.
+    /// The table, one row per cell and world; each cell's rows are a body of their own.
     pub(super) fn results(&self) -> String {
         let metrics = self.report.metrics();
         let axis =
             |(k, axis): (usize, &String)| format!("<th scope=\"col\"{}>{}</th>", self.class_of_axis(k), escaped(axis));
         let axes: String = self.report.axes.iter().enumerate().map(axis).collect();
         let head: String = metrics.iter().map(|metric| column_head(*metric)).collect();
-        let rows: String = (0..self.report.rows.len()).map(|row| self.result(row, &metrics)).collect();
+        let rows: Vec<usize> = (0..self.report.rows.len()).collect();
+        let cells = rows.chunk_by(|row, next| self.places[*row].cell == self.places[*next].cell);
+        let body = |rows: &[usize]| {
+            let rows: String = rows.iter().map(|row| self.result(*row, &metrics)).collect();
+            format!("<tbody>{rows}</tbody>")
+        };
+        let bodies: String = cells.map(body).collect();
         format!(
-            "<table class=\"results\"><thead><tr>{axes}<th scope=\"col\">world</th><th scope=\"col\" class=\"n\">seeds</th>\
-             {head}</tr></thead><tbody>{rows}</tbody></table>"
+            "<table class=\"results sortable\"><thead><tr>{axes}<th scope=\"col\">world</th><th scope=\"col\" class=\"n\">seeds</th>\
+             {head}</tr></thead>{bodies}</table>"
         )
     }
 
@@ -36,18 +42,20 @@ impl Study {
         if first.is_some() && levels.all(|level| level == first) { " class=\"same\"" } else { "" }
     }
 
-    /// A number with its interval, which leads to its runs.
+    /// A number with its interval, which leads to its runs; the cell is sorted by the number as it is.
     fn cell(&self, row: usize, metric: Metric) -> String {
         let numbers = &self.report.rows[row];
         let estimate = numbers.estimate(metric);
         let text = |value| number(value, metric.quantity());
-        let Some(mean) = estimate.mean else { return format!("<td class=\"n\">{UNDEFINED}</td>") };
+        let Some(mean) = estimate.mean else { return format!("<td class=\"n\" data-value=\"\">{UNDEFINED}</td>") };
         let few = if estimate.n < numbers.n_seeds { format!("<sup>{}</sup>", estimate.n) } else { String::new() };
         let interval = numbers.interval(metric);
         let interval = interval
             .map_or_else(String::new, |(low, high)| format!("<small>{}\u{2013}{}</small>", text(low), text(high)));
-        let (name, mean) = (metric.name(), text(mean));
-        format!("<td class=\"n\"><a href=\"#runs-{row}\" data-metric=\"{name}\">{mean}{few}{interval}</a></td>")
+        let (name, shown) = (metric.name(), text(mean));
+        format!(
+            "<td class=\"n\" data-value=\"{mean}\"><a href=\"#runs-{row}\" data-metric=\"{name}\">{shown}{few}{interval}</a></td>"
+        )
     }
 }
 

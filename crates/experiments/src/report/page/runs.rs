@@ -21,7 +21,7 @@ impl Study {
         let runs = self.report.runs[cell.runs.clone()].iter();
         let rows: String = runs.map(|run| self.run(row, run, root, shown, metrics)).collect();
         format!(
-            "<details id=\"runs-{row}\"><summary>{}</summary><div class=\"scroll\" tabindex=\"0\"><table><thead><tr>\
+            "<details id=\"runs-{row}\"><summary>{}</summary><div class=\"scroll\" tabindex=\"0\"><table class=\"sortable\"><thead><tr>\
              <th scope=\"col\" class=\"n\">seed</th><th scope=\"col\">run</th>{head}<th scope=\"col\">drives</th></tr></thead>\
              <tbody>{rows}</tbody></table></div></details>\n",
             escaped(&self.row_label(row)),
@@ -34,7 +34,8 @@ impl Study {
         let value = |metric: &Metric| {
             let value = summary.as_ref().and_then(|summary| metric.of(summary));
             let text = value.map_or_else(|| UNDEFINED.to_owned(), |value| number(value, metric.quantity()));
-            format!("<td class=\"n\" data-metric=\"{}\">{text}</td>", metric.name())
+            let key = value.map_or_else(String::new, |value| value.to_string());
+            format!("<td class=\"n\" data-metric=\"{}\" data-value=\"{key}\">{text}</td>", metric.name())
         };
         let values: String = metrics.iter().map(value).collect();
         let folder = format!("{root}runs/{}/", run.train_id);
