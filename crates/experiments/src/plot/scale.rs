@@ -18,14 +18,17 @@ impl Scale {
         from + (value - low) / (high - low) * (to - from)
     }
 
-    /// About `n` round values on the scale, with their labels.
+    /// About `n` round values on the scale, at least two, with their labels.
     pub(crate) fn ticks(&self, n: usize) -> Vec<(f64, String)> {
         let [low, high] = self.values;
-        let step = round_step((high - low) / n as f64);
-        let decimals = (-step.log10().floor()).max(0.0) as usize;
         let slack = 1e-9 * (high - low);
-        let (first, last) = (((low - slack) / step).ceil() as i64, ((high + slack) / step).floor() as i64);
-        (first..=last).map(|k| (k as f64 * step, format!("{:.decimals$}", k as f64 * step))).collect()
+        let multiples = |step: f64| ((low - slack) / step).ceil() as i64..=((high + slack) / step).floor() as i64;
+        let first = round_step((high - low) / n as f64);
+        // A third of the length holds two multiples or more.
+        let finer = [first, round_step(first / 2.5), round_step(first / 5.0)];
+        let step = finer.into_iter().find(|step| multiples(*step).count() >= 2).unwrap_or(first);
+        let decimals = (-step.log10().floor()).max(0.0) as usize;
+        multiples(step).map(|k| (k as f64 * step, format!("{:.decimals$}", k as f64 * step))).collect()
     }
 }
 
@@ -60,6 +63,8 @@ mod tests {
         assert_eq!(labels([0.0, 0.3], 3), ["0.0", "0.1", "0.2", "0.3"]);
         assert_eq!(labels([-0.2, 1.0], 5), ["0.0", "0.5", "1.0"]);
         assert_eq!(labels([0.0, 8.66], 5), ["0", "2", "4", "6", "8"]);
+        assert_eq!(labels([0.25, 1.35], 2), ["0.5", "1.0"]); // of 1 m/s alone no distance can be read
+        assert_eq!(labels([1.01, 1.19], 1), ["1.05", "1.10", "1.15"]);
     }
 
     #[test]

@@ -22,8 +22,8 @@ impl Study {
         format!(
             "<p>Each level less the first of its axis, all else alike: the mean difference over the \
              training seeds that both have, paired seed by seed, and its 95 % bootstrap interval; bold where it leaves out 0. \
-             <i>P(more)</i>: how likely a run is to have more than one of the other\u{2019}s. <i>Seeds</i>: in how many of the pairs \
-             it has more.</p>{tables}"
+             <i>P(more)</i>: how likely a run is to have more than one of the other\u{2019}s, with its interval, and in how many of \
+             the pairs of seeds it has more.</p>{tables}"
         )
     }
 
@@ -57,8 +57,8 @@ fn contrast_table(contrasts: &Contrasts, is_open: bool) -> String {
         let (name, unit) = header_words(metric);
         let unit = if unit == "%" { "points" } else { &unit };
         format!(
-            "<th scope=\"col\" class=\"n\">{name}<small>{unit}</small></th><th scope=\"col\" class=\"n\">P(more)</th>\
-             <th scope=\"col\" class=\"n\">seeds</th>"
+            "<th scope=\"col\" class=\"n\">{name}<small>{unit}</small></th>\
+             <th scope=\"col\" class=\"n\">P(more)<small>seeds</small></th>"
         )
     };
     let first = contrasts.first();
@@ -87,12 +87,9 @@ fn contrast_cells(difference: &Difference, metric: Metric) -> String {
     let [mean, ends] = difference_text(difference, metric.quantity());
     let [more, range] = probability_text(difference);
     let mean = if difference.leaves_out_zero() { format!("<b>{mean}</b>") } else { mean };
-    let Difference { n_more, paired, .. } = difference;
-    format!(
-        "<td class=\"n\">{mean}<small>{ends}</small></td><td class=\"n\">{more}<small>{range}</small></td>\
-         <td class=\"n\">{n_more}/{}</td>",
-        paired.n
-    )
+    let seeds = format!("{}/{}", difference.n_more, difference.paired.n);
+    let below = if range.is_empty() { seeds } else { format!("{range}, {seeds}") };
+    format!("<td class=\"n\">{mean}<small>{ends}</small></td><td class=\"n\">{more}<small>{below}</small></td>")
 }
 
 fn cell(is_same: bool, over: Option<&Interval>) -> String {
