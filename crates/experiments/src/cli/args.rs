@@ -67,7 +67,7 @@ pub enum Command {
     List(ListArgs),
     /// Summarise a folder of finished runs with intervals over the training seeds.
     Report(ReportArgs),
-    /// Hold the levels of one axis against each other, all else alike: paired differences, and the probability of improvement.
+    /// Hold the levels of one axis against each other, the other axes alike: paired differences, and the probability of improvement.
     Compare(CompareArgs),
     /// Write a folder of finished runs as Parquet files: episodes, training metrics, control steps.
     Export(ExportArgs),

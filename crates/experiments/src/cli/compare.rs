@@ -7,7 +7,8 @@ use super::print;
 use crate::Error;
 use crate::report;
 
-/// Prints the levels of an axis against one of them to `out`; what a reader must know of the runs goes to stderr.
+/// Prints the levels of an axis against one of them to `out`; in what settings they differ, and what else a reader must
+/// know of the runs, goes to stderr.
 ///
 /// # Errors
 /// [`Error::Input`] if the folder holds no results, a file in it is damaged, or the grid has no such axis or level; [`Error::Io`]
@@ -21,7 +22,7 @@ pub fn execute(args: &CompareArgs, out: &mut dyn Write) -> Result<(), Error> {
         CompareFormat::Csv => contrasts.csv(),
     };
     print(out, &text)?;
-    for note in report.notes() {
+    for note in contrasts.settings(&args.dir)?.into_iter().chain(report.notes()) {
         // Where even stderr is closed, nobody misses it.
         let _ = writeln!(io::stderr(), "{note}");
     }

@@ -1,35 +1,44 @@
-//! The levels of one axis beside each other, all else alike: what a change is worth, and whether it can be told from luck.
+//! The levels of one axis beside each other, the other axes alike: what a change is worth, and whether it can be told from luck.
 
 mod records;
+mod settings;
 mod table;
 
-pub(super) use table::{difference_text, probability_text};
+pub(super) use table::{difference_text, probability_text, seeds_text};
 
-use headway_stats::{Bootstrap, Estimate, Interval, Scores, improvement_bootstrap, over_units};
+use headway_stats::{
+    Bootstrap, Estimate, Interval, MIN_UNITS, Scores, over_units, paired_improvement_bootstrap, sign_flip,
+};
 use serde::Serialize;
 
 use super::{Report, RunRow};
 use crate::Error;
 use crate::episode::{Metric, SeedSummary};
-use crate::store::AxisLevel;
+use crate::store::{AxisLevel, Id};
 
-/// The name under which the worlds of the evaluations are compared, unless the grid has an axis of that name.
+/// The name under which the worlds of the evaluations are compared; no axis of a grid has it.
 pub const WORLD: &str = "world";
+
+/// The greatest p of a difference that is told from luck.
+const MOST_P: f64 = 0.05;
 
 /// Every level of one axis against one of them, made by [`Report::contrasts`].
 ///
-/// [`table`](Self::table), [`json`](Self::json) and [`csv`](Self::csv) show the same contrasts.
+/// [`table`](Self::table), [`json`](Self::json) and [`csv`](Self::csv) show the same contrasts; [`settings`](Self::settings) says what
+/// else differs between the two sides.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Contrasts {
     /// The axis, or [`WORLD`].
     pub over: String,
     /// The level that the others are held against.
     pub base: String,
-    /// One for each other level and each setting of all the rest, in the order of the grid.
+    /// One or more: for each other level and each setting of all the rest, in the order of the grid.
     pub contrasts: Vec<Contrast>,
+    /// Number of cells in a world that are of another level, and have nothing to be held against.
+    pub n_alone: usize,
 }
 
-/// One level against the base, all else alike.
+/// One level against the base, the other axes alike.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contrast {
     /// The levels of the other axes, which both have.
@@ -38,25 +47,29 @@ pub struct Contrast {
     pub world: Option<String>,
     /// The level.
     pub level: String,
+    /// A run of the level's cell and one of the base's, of the first seed that both have.
+    pub runs: Option<[Id; 2]>,
     /// Number of training seeds that both have.
     pub n_seeds: usize,
     /// In the order of [`Metric::ALL`].
     pub differences: [Difference; Metric::ALL.len()],
 }
 
-/// One metric of a level against the base's.
+/// One metric of a level against the base's, over the seeds in which both are defined. Seeds start from the same weights and meet the
+/// same scenarios with both, so that their luck cancels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Difference {
-    /// The mean of level less base, seed by seed, and its 95 % percentile bootstrap interval over the seeds in which both are
-    /// defined. Seeds start from the same weights and meet the same scenarios with both, so that their luck cancels.
+    /// The mean of level less base, seed by seed, and its 95 % percentile bootstrap interval over the seeds.
     #[serde(rename = "difference")]
     pub paired: Estimate,
-    /// In how many of these seeds the level has more.
+    /// How likely such differences, or ones farther from 0, are if the two are drawn alike: [`sign_flip`]. `None` without a seed.
+    pub p: Option<f64>,
+    /// In how many of the seeds the level has more.
     #[serde(rename = "seeds_more")]
     pub n_more: usize,
-    /// How likely a run of the level is to have more than a run of the base, ties by half, with its 95 % bootstrap interval, for
-    /// which the seeds of the two are redrawn independently: the probability of improvement (Agarwal et al., 2021, section 4.3),
-    /// if more is better. From three seeds on.
+    /// How likely a run of the level is to have more than a run of the base, of the same seed or another, ties by half: the
+    /// probability of improvement (Agarwal et al., 2021, section 4.3), if more is better. Its 95 % bootstrap interval redraws the
+    /// seeds, the same ones for both. From three seeds on.
     pub more: Option<Interval>,
 }
 
@@ -65,7 +78,7 @@ struct Arm<'a> {
     axes: Vec<AxisLevel>,
     world: Option<String>,
     level: String,
-    seeds: Vec<(u64, &'a SeedSummary)>,
+    seeds: Vec<(&'a RunRow, &'a SeedSummary)>,
 }
 
 impl Report {
@@ -73,7 +86,7 @@ impl Report {
     /// world that both were evaluated in. With [`WORLD`], the same policies in one world and in another.
     ///
     /// # Errors
-    /// [`Error::Input`] if there is no such axis or level, or the axis has but one.
+    /// [`Error::Input`] if there is no such axis or level, the axis has but one, or no two cells differ in it alone.
     ///
     /// ```
     /// use headway_experiments::report::of_policy;
@@ -102,12 +115,19 @@ impl Report {
             (Some(base), _) => base,
             (None, [first, ..]) => first,
         };
+        let others = || arms.iter().filter(|arm| arm.level != base);
         let against = |arm: &Arm<'_>| {
             let is_alike = |other: &&Arm<'_>| other.level == base && other.axes == arm.axes && other.world == arm.world;
-            (arm.level != base).then(|| arms.iter().find(is_alike).map(|other| arm.against(other)))?
+            Some(arm.against(arms.iter().find(is_alike)?))
         };
-        let contrasts = arms.iter().filter_map(against).collect();
-        Ok(Contrasts { over: over.to_owned(), base: base.to_owned(), contrasts })
+        let contrasts: Vec<Contrast> = others().filter_map(against).collect();
+        if contrasts.is_empty() {
+            return Err(Error::Input(format!(
+                "nothing to hold against `{base}`: no other cell has the same world and the same levels of all axes but `{over}`"
+            )));
+        }
+        let n_alone = others().count() - contrasts.len();
+        Ok(Contrasts { over: over.to_owned(), base: base.to_owned(), contrasts, n_alone })
     }
 
     /// What can be compared over an axis.
@@ -132,33 +152,24 @@ impl<'a> Arm<'a> {
             Some(axis) => (axes.remove(axis).level, Some(world)),
             None => (world, None),
         };
-        let seeds = runs.iter().filter_map(|run| Some((run.seed, run.summaries[k].1.as_ref()?))).collect();
+        let seeds = runs.iter().filter_map(|run| Some((run, run.summaries[k].1.as_ref()?))).collect();
         Self { axes, world, level, seeds }
     }
 
     fn against(&self, base: &Self) -> Contrast {
-        let shared = |(seed, summary): &(u64, &'a SeedSummary)| {
-            let other = base.seeds.iter().find(|(other, _)| other == seed)?;
-            Some((*summary, other.1))
+        let shared = |of: &(&'a RunRow, &'a SeedSummary)| {
+            Some((*of, *base.seeds.iter().find(|(other, _)| other.seed == of.0.seed)?))
         };
         let pairs: Vec<_> = self.seeds.iter().filter_map(shared).collect();
+        let defined =
+            |metric: Metric| pairs.iter().filter_map(move |((_, x), (_, y))| Some((metric.of(x)?, metric.of(y)?)));
         Contrast {
             axes: self.axes.clone(),
             world: self.world.clone(),
             level: self.level.clone(),
+            runs: pairs.first().map(|((level, _), (base, _))| [level.train_id.clone(), base.train_id.clone()]),
             n_seeds: pairs.len(),
-            differences: Metric::ALL.map(|metric| {
-                let less: Vec<Option<f64>> = pairs.iter().map(|(x, y)| Some(metric.of(x)? - metric.of(y)?)).collect();
-                let n_more = less.iter().flatten().filter(|less| **less > 0.0).count();
-                let scores = |arm: &Self| {
-                    let rows: Vec<_> =
-                        arm.seeds.iter().filter_map(|(_, summary)| Some([metric.of(summary)?])).collect();
-                    Scores::from_rows(&rows).ok().filter(|scores| scores.n_runs() >= headway_stats::MIN_UNITS)
-                };
-                let both = scores(self).zip(scores(base));
-                let more = both.and_then(|(x, y)| improvement_bootstrap(&x, &y, &Bootstrap::default()).ok());
-                Difference { paired: over_units(less.iter().copied(), &Bootstrap::default()), n_more, more }
-            }),
+            differences: Metric::ALL.map(|metric| Difference::new(&defined(metric).collect::<Vec<_>>())),
         }
     }
 }
@@ -171,10 +182,23 @@ impl Contrast {
 }
 
 impl Difference {
-    /// Whether it can be told from nothing: its interval does not hold 0.
-    pub fn leaves_out_zero(&self) -> bool {
-        let Estimate { low, high, .. } = self.paired;
-        low.is_some_and(|low| low > 0.0) || high.is_some_and(|high| high < 0.0)
+    /// Of the level's number and the base's, seed by seed.
+    fn new(pairs: &[(f64, f64)]) -> Self {
+        let less: Vec<f64> = pairs.iter().map(|(x, y)| x - y).collect();
+        let scores = |side: fn(&(f64, f64)) -> f64| Scores::new(pairs.len(), 1, pairs.iter().map(side).collect()).ok();
+        let both = scores(|pair| pair.0).zip(scores(|pair| pair.1)).filter(|_| pairs.len() >= MIN_UNITS);
+        let how = Bootstrap::default();
+        Self {
+            paired: over_units(less.iter().copied().map(Some), &how),
+            p: (!less.is_empty()).then(|| sign_flip(&less)),
+            n_more: less.iter().filter(|less| **less > 0.0).count(),
+            more: both.and_then(|(x, y)| paired_improvement_bootstrap(&x, &y, &how).ok()),
+        }
+    }
+
+    /// Whether it can be told from luck: `p <= 0.05`.
+    pub fn is_told_from_luck(&self) -> bool {
+        self.p.is_some_and(|p| p <= MOST_P)
     }
 }
 

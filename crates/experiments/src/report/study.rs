@@ -179,10 +179,9 @@ fn groups(index: &Index) -> Vec<Group> {
     index.cells.iter().map(group).collect()
 }
 
-/// The contrasts over everything that has more than one level.
+/// The contrasts over everything of which there is one.
 fn contrasts(report: &Report) -> Vec<Contrasts> {
-    let axes = report.axes.iter().map(String::as_str);
-    let all = axes.chain([WORLD].into_iter().filter(|world| !report.axes.iter().any(|axis| axis == world)));
+    let all = report.axes.iter().map(String::as_str).chain([WORLD]);
     all.filter_map(|over| report.contrasts(over, None).ok()).collect()
 }
 

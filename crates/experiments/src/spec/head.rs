@@ -9,6 +9,9 @@ use super::names::{check_folder, check_label};
 use super::suggest::{did_you_mean, list};
 use super::{Fault, KeyPath};
 
+/// Columns that reports have beside those of the axes.
+const COLUMNS: [&str; 5] = ["world", "seeds", "episodes", "base", "metric"];
+
 /// The keys of a spec file that describe the grid rather than one run.
 pub(crate) const HEAD_KEYS: [&str; 5] = ["name", "base", "seeds", "axis", "when"];
 
@@ -134,6 +137,9 @@ impl Head {
         let fault = |key: &str, problem: &str| Err(Fault::new(here.join(key).segments(), problem));
         if let Err(problem) = check_label(&axis.name) {
             return fault("name", problem);
+        }
+        if COLUMNS.contains(&axis.name.as_str()) {
+            return fault("name", "is the name of a column of reports; give the axis another");
         }
         if self.axis[..index].iter().any(|other| other.name == axis.name) {
             return fault("name", "an earlier axis has this name; give each axis its own");

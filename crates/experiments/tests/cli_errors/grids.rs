@@ -16,6 +16,11 @@ fn axes_and_levels() {
             "spec.toml:5: axis.1.name = \"a\": an earlier axis has this name; give each axis its own",
         ),
         (
+            "[[axis]]\nname = \"world\"\nlevels = { x = {} }",
+            &[],
+            "spec.toml:2: axis.0.name = \"world\": is the name of a column of reports; give the axis another",
+        ),
+        (
             "[[axis]]\nname = \"a\"\n[axis.levels]\nx = {}\nx = {}",
             &[],
             "spec.toml:5: not valid TOML: duplicate key `x`; levels, like all keys, need names of their own",

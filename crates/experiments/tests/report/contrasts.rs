@@ -16,21 +16,22 @@ fn the_table_of_contrasts() {
     assert_text(
         &table,
         "
-                                       success                    speed in successes
-agent  world       reward           difference    P(more)  seeds          difference    P(more)  seeds
-                   less R               points              more                 m/s              more
-──────────────────────────────────────────────────────────────────────────────────────────────────────
-DQN    room_10x15  R_couple             +93.75       1.00    4/4                   –          –    0/0
-                             +87.50 to +100.00  1.00–1.00
-DQN    room_25x25  R_couple             +93.75       1.00    4/4                   –          –    0/0
-                             +87.50 to +100.00  1.00–1.00
-DDQN   room_10x15  R_couple             +75.00       1.00    4/4               0.000       0.50    0/3
-                              +50.00 to +93.75  1.00–1.00             0.000 to 0.000  0.50–0.50
-DDQN   room_25x25  R_couple             +75.00       1.00    4/4               0.000       0.50    0/3
-                              +50.00 to +93.75  1.00–1.00             0.000 to 0.000  0.50–0.50
-Each `reward` less `R`, all else alike, paired over 4 seeds; below it its 95 % bootstrap interval over them.
-P(more): how likely a run is to have more than one of the other's, ties by half; seeds: in how many of the pairs.
-Were all 6 differences luck, about 0.3 of these intervals would leave out 0 all the same.
+                                       success                      speed in successes
+agent  world       reward           difference    P(more)    seeds          difference    P(more)    seeds
+                   less R               points                more                 m/s                more
+──────────────────────────────────────────────────────────────────────────────────────────────────────────
+DQN    room_10x15  R_couple             +93.75       1.00      4/4                   –          –      0/0
+                             +87.50 to +100.00  1.00–1.00  p 0.125
+DQN    room_25x25  R_couple             +93.75       1.00      4/4                   –          –      0/0
+                             +87.50 to +100.00  1.00–1.00  p 0.125
+DDQN   room_10x15  R_couple             +75.00       1.00      4/4               0.000       0.50      0/3
+                              +50.00 to +93.75  1.00–1.00  p 0.125      0.000 to 0.000  0.50–0.50  p 1.000
+DDQN   room_25x25  R_couple             +75.00       1.00      4/4               0.000       0.50      0/3
+                              +50.00 to +93.75  1.00–1.00  p 0.125      0.000 to 0.000  0.50–0.50  p 1.000
+Each `reward` less `R`, the other axes alike, paired over 4 seeds; below it its 95 % bootstrap interval over them.
+P(more): how likely a run is to have more than one of the other's, ties by half; seeds more: in how many of the pairs.
+p: how likely such pairs are if the two are drawn alike (sign-flip test); fewer than 6 cannot bring it below 0.05.
+Of 4 differences that are all luck, 0.2 at most have p of 0.05 or less, on average.
 ",
     );
 }
@@ -49,8 +50,8 @@ R         DQN    room_25x25             0.00        –    0/2       0.000      
 R         DDQN   room_25x25             0.00        –    0/2       0.000        –    0/2
 R_couple  DQN    room_25x25             0.00        –    0/2       0.000        –    0/2
 R_couple  DDQN   room_25x25             0.00        –    0/2       0.000        –    0/2
-Each `world` less `room_10x15`, all else alike, paired over 2 seeds; no intervals below 3.
-P(more): how likely a run is to have more than one of the other's, ties by half; seeds: in how many of the pairs.
+Each `world` less `room_10x15`, the other axes alike, paired over 2 seeds; no intervals below 3.
+P(more): how likely a run is to have more than one of the other's, ties by half; seeds more: in how many of the pairs.
 ",
     );
 }
@@ -84,6 +85,7 @@ fn records_hold_what_the_contrasts_do() {
             "difference",
             "low",
             "high",
+            "p",
             "more",
             "more_low",
             "more_high"

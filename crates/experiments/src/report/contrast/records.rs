@@ -9,21 +9,21 @@ use crate::report::csv::written;
 use crate::report::json::Levels;
 
 /// The columns of a difference in CSV.
-const NUMBERS: [&str; 9] =
-    ["metric", "seeds", "seeds_more", "difference", "low", "high", "more", "more_low", "more_high"];
+const NUMBERS: [&str; 10] =
+    ["metric", "seeds", "seeds_more", "difference", "low", "high", "p", "more", "more_low", "more_high"];
 
 impl Contrasts {
     /// The contrasts as a JSON object: `over`, `base`, and `contrasts`, a list of objects: `axes` (level by axis, without the one
     /// that is compared over), `world` (`null` if worlds are compared), `level`, `seeds`, and for each [`Metric`] `difference`
-    /// (`mean`, `low`, `high` over `n` shared seeds; rates as shares), `seeds_more`, and `more` (`point`, `low`, `high`; `null`
-    /// for fewer than three seeds).
+    /// (`mean`, `low`, `high`; rates as shares; `n`, the shared seeds in which both have it), `p`, `seeds_more`, and `more` (`point`,
+    /// `low`, `high`; `null` for fewer than three seeds). `n_alone` counts what has nothing to be held against.
     pub fn json(&self) -> String {
         let text = serde_json::to_string_pretty(self);
         text.expect("maps with string keys and numbers always have a JSON form") + "\n"
     }
 
     /// The contrasts as CSV, a row for each in each metric: the other axes, `world`, the axis that is compared over, `base`, and
-    /// [`Difference`]'s numbers; empty where undefined.
+    /// [`Difference`]'s numbers, of which `seeds` counts those in which both have the metric; empty where undefined.
     pub fn csv(&self) -> String {
         let rows = self.contrasts.iter().flat_map(|contrast| Metric::ALL.map(|metric| self.record(contrast, metric)));
         written(std::iter::once(self.header()).chain(rows))
@@ -42,14 +42,14 @@ impl Contrasts {
     }
 
     fn record(&self, contrast: &Contrast, metric: Metric) -> Vec<String> {
-        let Difference { paired, n_more, more } = contrast.difference(metric);
+        let Difference { paired, p, n_more, more } = contrast.difference(metric);
         let mut fields: Vec<String> = contrast.axes.iter().map(|level| level.level.clone()).collect();
         fields.extend(contrast.world.clone());
         fields.extend([contrast.level.clone(), self.base.clone(), metric.name().to_owned()]);
         fields.extend([paired.n, *n_more].map(|n| n.to_string()));
         let Estimate { mean, low, high, .. } = *paired;
         let more = [more.map(|more| more.point), more.map(|more| more.low), more.map(|more| more.high)];
-        let numbers = [mean, low, high].into_iter().chain(more);
+        let numbers = [mean, low, high, *p].into_iter().chain(more);
         fields.extend(numbers.map(|number| number.map_or_else(String::new, |number| number.to_string())));
         fields
     }

@@ -4,7 +4,7 @@ use super::{Contrast, Contrasts, Difference};
 use crate::episode::{Metric, Quantity};
 use crate::report::TABLE_WIDTH;
 use crate::report::layout::{Align, Column, lines, width};
-use crate::report::table::{UNDEFINED, header_words};
+use crate::report::table::{UNDEFINED, count, header_words};
 
 /// Number of header lines.
 const N_HEADER: usize = 3;
@@ -64,36 +64,30 @@ impl Contrasts {
         [
             column([&name, "difference", &unit], &|of| difference_text(of, quantity)),
             column(["", "P(more)", ""], &probability_text),
-            column(["", "seeds", "more"], &|of| [format!("{}/{}", of.n_more, of.paired.n), String::new()]),
+            column(["", "seeds", "more"], &seeds_text),
         ]
     }
 
     fn legend(&self, shown: &[Metric], left_out: &[Metric]) -> Vec<String> {
-        let Self { over, base, contrasts } = self;
-        let mut seeds: Vec<usize> = contrasts.iter().map(|contrast| contrast.n_seeds).collect();
-        seeds.sort_unstable();
-        let seeds = match (seeds.first(), seeds.last()) {
-            (Some(least), Some(most)) if least == most => least.to_string(),
-            (Some(least), Some(most)) => format!("{least} to {most}"),
-            _ => "0".to_owned(),
-        };
+        let Self { over, base, contrasts, .. } = self;
+        let seeds = || contrasts.iter().map(|contrast| contrast.n_seeds);
+        let (least, most) = (seeds().min().unwrap_or(0), seeds().max().unwrap_or(0));
+        let seeds = if least == most { count(most, "seed") } else { format!("{least} to {most} seeds") };
         let interval = match self.has_intervals() {
             true => "below it its 95 % bootstrap interval over them",
             false => "no intervals below 3",
         };
         let mut legend = vec![
-            format!("Each `{over}` less `{base}`, all else alike, paired over {seeds} seeds; {interval}."),
-            "P(more): how likely a run is to have more than one of the other's, ties by half; seeds: in how many of the pairs."
+            format!("Each `{over}` less `{base}`, the other axes alike, paired over {seeds}; {interval}."),
+            "P(more): how likely a run is to have more than one of the other's, ties by half; seeds more: in how many of the pairs."
                 .to_owned(),
         ];
-        let intervals =
-            contrasts.iter().flat_map(|c| shown.iter().filter(|metric| c.difference(**metric).paired.low.is_some()));
-        let n = intervals.count();
-        if n > 1 {
-            let by_chance = n as f64 / 20.0;
-            legend.push(format!(
-                "Were all {n} differences luck, about {by_chance:.1} of these intervals would leave out 0 all the same."
-            ));
+        if self.has_intervals() {
+            legend.extend(self.legend_of_p(shown));
+        }
+        if self.n_alone > 0 {
+            let n = count(self.n_alone, "row");
+            legend.push(format!("left out: {n} with no `{base}` that has the same world and the same other axes"));
         }
         if let [first, rest @ ..] = left_out {
             let rest = if rest.is_empty() { String::new() } else { format!(" and {} more", rest.len()) };
@@ -101,6 +95,19 @@ impl Contrasts {
             legend.push(format!("left out for want of room: {first}{rest} (see --metric, or --format json or csv)"));
         }
         legend
+    }
+}
+
+impl Contrasts {
+    fn legend_of_p(&self, shown: &[Metric]) -> Vec<String> {
+        let p = "p: how likely such pairs are if the two are drawn alike (sign-flip test); fewer than 6 cannot bring it below 0.05.";
+        let differences = self.contrasts.iter().flat_map(|c| shown.iter().map(|metric| c.difference(*metric)));
+        let n_tested = differences.filter(|of| of.p.is_some_and(|p| p < 1.0)).count();
+        let by_chance = n_tested as f64 / 20.0;
+        let all = format!(
+            "Of {n_tested} differences that are all luck, {by_chance:.1} at most have p of 0.05 or less, on average."
+        );
+        if n_tested > 1 { vec![p.to_owned(), all] } else { vec![p.to_owned()] }
     }
 }
 
@@ -116,6 +123,12 @@ pub(in crate::report) fn difference_text(of: &Difference, quantity: Quantity) ->
 pub(in crate::report) fn probability_text(of: &Difference) -> [String; 2] {
     let Some(more) = of.more else { return [UNDEFINED.to_owned(), String::new()] };
     [format!("{:.2}", more.point), format!("{:.2}\u{2013}{:.2}", more.low, more.high)]
+}
+
+/// In how many seeds there is more, and the p of that.
+pub(in crate::report) fn seeds_text(of: &Difference) -> [String; 2] {
+    let p = of.p.map_or_else(String::new, |p| if p < 0.001 { "p <0.001".to_owned() } else { format!("p {p:.3}") });
+    [format!("{}/{}", of.n_more, of.paired.n), p]
 }
 
 /// A difference of a kind with its sign; none where all of its decimals are 0. It has a decimal more than what it is the

@@ -52,12 +52,15 @@ fn worked_by_hand() {
     let success = in_a.difference(Metric::Success);
     // 0.25, 0 and 0.5, seed by seed; each of them has more than 1 / 27 of the resamples to itself.
     let paired = Estimate { mean: Some(0.25), low: Some(0.0), high: Some(0.5), n: 3 };
-    assert_eq!((success.paired, success.n_more, success.leaves_out_zero()), (paired, 2, false));
+    assert_eq!((success.paired, success.n_more), (paired, 2));
+    // Of the four ways to turn 0.25 and 0.5, two are as far from 0.
+    assert_eq!((success.p, success.is_told_from_luck()), (Some(0.5), false));
     // 0.5 beats one and ties one of three, 0.75 beats two and ties one, 1 beats all: 1.5 + 2.5 + 3 of 9.
     assert!((success.more.unwrap().point - 7.0 / 9.0).abs() < 1e-15);
     // All alike: nothing but ties.
     let spl = in_a.difference(Metric::Spl);
-    assert_eq!((spl.paired.mean, spl.n_more, spl.more.unwrap().point), (Some(0.0), 0, 0.5));
+    assert_eq!((spl.paired.mean, spl.n_more, spl.p), (Some(0.0), 0, Some(1.0)));
+    assert_eq!(spl.more, Some(Interval { point: 0.5, low: 0.5, high: 0.5 }));
     assert_eq!(in_a.difference(Metric::MeanSpeed).paired.n, 0);
 }
 
@@ -78,7 +81,7 @@ fn worlds_are_compared_policy_by_policy() {
         let success = contrast.difference(Metric::Success);
         assert_eq!((&*contrast.level, &contrast.world, contrast.axes.len()), ("b", &None, 2));
         assert_eq!(success.paired, Estimate { mean: Some(-0.25), low: Some(-0.25), high: Some(-0.25), n: 3 });
-        assert!(success.leaves_out_zero());
+        assert_eq!(success.p, Some(0.25)); // three alike are no proof
     }
 }
 
@@ -94,6 +97,14 @@ fn only_seeds_that_both_have_are_paired() {
     assert_eq!((in_a.n_seeds, in_b.n_seeds), (1, 0));
     assert_eq!((success.paired.mean, success.paired.low, success.more), (Some(0.25), None, None));
     assert_eq!(in_a.difference(Metric::Spl).paired.n, 0);
+    assert_eq!(in_a.difference(Metric::Spl).p, None);
+}
+
+#[test]
+fn six_seeds_that_agree_are_told_from_luck() {
+    let contrasts = two_rewards(&[0.25; 6], &[0.5; 6]).contrasts("reward", None).unwrap();
+    let success = contrasts.contrasts[0].difference(Metric::Success);
+    assert_eq!((success.p, success.is_told_from_luck()), (Some(2.0 / 64.0), true));
 }
 
 #[test]
@@ -106,6 +117,7 @@ fn all_else_is_alike() {
     let in_a: Vec<_> = contrasts.contrasts.iter().filter(|c| c.world.as_deref() == Some("a")).collect();
     assert_eq!(in_a.len(), 1);
     assert_eq!(in_a[0].axes[0].level, "DQN");
+    assert_eq!(contrasts.n_alone, 2, "S with the third agent, in both worlds");
     assert!((in_a[0].difference(Metric::Success).paired.mean.unwrap() - 0.3).abs() < 1e-15);
 }
 
@@ -116,4 +128,9 @@ fn refusals_name_what_there_is() {
     assert_eq!(refusal("gamma", None), "no axis `gamma` to compare over: must be one of reward, agent, world");
     assert_eq!(refusal("reward", Some("T")), "axis `reward` has no level `T`: must be one of R, S");
     assert_eq!(refusal("agent", None), "axis `agent` has one level only: nothing to compare");
+    let apart = ["R", "S"].map(|reward| run([("reward", reward), ("agent", reward)], 0, None, None));
+    assert_eq!(
+        super::super::Report { runs: apart.into(), ..report }.contrasts("reward", None).unwrap_err().to_string(),
+        "nothing to hold against `R`: no other cell has the same world and the same levels of all axes but `reward`"
+    );
 }

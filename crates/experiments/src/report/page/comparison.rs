@@ -4,7 +4,7 @@ use headway_stats::Interval;
 
 use super::text::escaped;
 use crate::episode::Metric;
-use crate::report::contrast::{Contrast, Contrasts, Difference, difference_text, probability_text};
+use crate::report::contrast::{Contrast, Contrasts, Difference, difference_text, probability_text, seeds_text};
 use crate::report::study::{Ranking, Study};
 use crate::report::table::header_words;
 
@@ -20,8 +20,9 @@ impl Study {
         let tables: String =
             self.contrasts.iter().enumerate().map(|(k, contrasts)| contrast_table(contrasts, k == 0)).collect();
         format!(
-            "<p>Each level less the first of its axis, all else alike: the mean difference over the \
-             training seeds that both have, paired seed by seed, and its 95 % bootstrap interval; bold where it leaves out 0. \
+            "<p>Each level less the first of its axis, the other axes alike: the mean difference over the \
+             training seeds that both have, paired seed by seed, its 95 % bootstrap interval, and p of the sign-flip test; bold where \
+             p is at most 0.05, which one in twenty is by luck alone. What else than the axis differs stands under Cells. \
              <i>P(more)</i>: how likely a run is to have more than one of the other\u{2019}s, with its interval, and in how many of \
              the pairs of seeds it has more.</p>{tables}"
         )
@@ -51,7 +52,7 @@ impl Study {
 }
 
 fn contrast_table(contrasts: &Contrasts, is_open: bool) -> String {
-    let Contrasts { over, base, contrasts } = contrasts;
+    let Contrasts { over, base, contrasts, .. } = contrasts;
     let open = if is_open { " open" } else { "" };
     let metric = |metric: Metric| {
         let (name, unit) = header_words(metric);
@@ -86,9 +87,10 @@ fn contrast_row(contrast: &Contrast) -> String {
 fn contrast_cells(difference: &Difference, metric: Metric) -> String {
     let [mean, ends] = difference_text(difference, metric.quantity());
     let [more, range] = probability_text(difference);
-    let mean = if difference.leaves_out_zero() { format!("<b>{mean}</b>") } else { mean };
-    let seeds = format!("{}/{}", difference.n_more, difference.paired.n);
+    let mean = if difference.is_told_from_luck() { format!("<b>{mean}</b>") } else { mean };
+    let [seeds, p] = seeds_text(difference).map(|text| escaped(&text));
     let below = if range.is_empty() { seeds } else { format!("{range}, {seeds}") };
+    let ends = if ends.is_empty() { p } else { format!("{ends}, {p}") };
     format!("<td class=\"n\">{mean}<small>{ends}</small></td><td class=\"n\">{more}<small>{below}</small></td>")
 }
 
