@@ -99,10 +99,11 @@ fn records_hold_what_the_contrasts_do() {
             let text = |number: Option<f64>| number.map_or_else(String::new, |number| number.to_string());
             assert_eq!(&row[0], contrast.axes[0].level);
             assert_eq!(
-                (&row[4], &row[7], &row[10]),
+                (&row[4], &row[7], &row[11]),
                 (metric.name(), &*text(of.paired.mean), &*text(of.more.map(|m| m.point)))
             );
             assert_eq!(in_json["difference"]["high"].as_f64(), of.paired.high);
+            assert_eq!(&row[10], &*text(of.p));
             assert_eq!(in_json["seeds_more"].as_u64().unwrap(), of.n_more as u64);
             assert_eq!(in_json["more"]["low"].as_f64(), of.more.map(|more| more.low));
         }
