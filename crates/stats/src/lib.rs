@@ -11,6 +11,7 @@
 //! | how good is it over all tasks? | [`stratified_bootstrap`] of an [`Estimator`]: IQM, median, mean, optimality gap |
 //! | how good is it in one figure per seed? | [`over_units`], or [`bootstrap`] of any statistic |
 //! | is X better than Y? | [`paired_differences`] on shared seeds and scenarios, else [`probability_of_improvement`] |
+//! | is that difference more than luck? | [`sign_flip`], which holds for few seeds too |
 //! | at what score does it break down? | [`performance_profile`] |
 //! | what is the success rate of one policy? | [`wilson`]; [`clustered()`] where episodes share scenarios |
 //!
