@@ -140,8 +140,9 @@ impl Study {
     }
 
     fn sections(&self, figures: &Figures) -> String {
-        let Figures { intervals, comparison, curves, clearance } = figures;
+        let Figures { speed, intervals, comparison, curves, clearance } = figures;
         [
+            section("speed", "Success against speed", speed, ""),
             section("intervals", "Intervals", intervals, ""),
             section("contrasts", "One axis at a time", &[], &self.contrast_tables()),
             section("comparison", "Cells beside each other", comparison, &self.ranking_tables()),

@@ -207,7 +207,7 @@ fn figures_are_files() {
     let bench = Bench::get();
     let listed = bench.succeed(&["report", "out", "--format", "svg", "--out", "figures"]);
     assert_eq!(fs::read_dir(bench.path("figures")).unwrap().count(), listed.lines().count());
-    for start in ["intervals-", "iqm", "profile-success", "curve-reached", "clearance", "drive-"] {
+    for start in ["speed-", "intervals-", "iqm", "profile-success", "curve-reached", "clearance", "drive-"] {
         let path = listed.lines().find(|line| line.starts_with(&format!("figures/{start}"))).expect(start);
         let svg = fs::read_to_string(bench.path(path)).unwrap();
         assert!(svg.starts_with("<svg xmlns=") && svg.ends_with("</svg>\n") && !svg.contains("NaN"), "{path}");
