@@ -338,9 +338,8 @@ impl Study {
 /// hardly any is.
 fn zoomed(mut facet: Lines) -> Lines {
     let among = |is_flat: fn(f64) -> bool| {
-        let not = facet.points().filter(move |point| !is_flat(point.y)).map(|point| point.x);
-        let (first, last) = not.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-        (first, last)
+        let others = facet.points().filter(move |point| !is_flat(point.y)).map(|point| point.x);
+        others.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
     };
     // The first score of which some share is not yet nearly one, and the last of which some is more than nearly none.
     let (low, high) = (among(|share| share >= 1.0 - FLAT).0, among(|share| share <= FLAT).1);

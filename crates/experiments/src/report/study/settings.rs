@@ -109,7 +109,7 @@ fn deciding(n_axes: usize, cells: &[&[String]], values: &[Option<String>]) -> Op
 
 /// The items of a list whose bits are set.
 fn chosen<T>(list: &[T], bits: u64) -> impl Iterator<Item = &T> {
-    list.iter().enumerate().filter(move |(place, _)| bits >> place & 1 == 1).map(|(_, item)| item)
+    list.iter().enumerate().filter(move |(place, _)| (bits >> place) & 1 == 1).map(|(_, item)| item)
 }
 
 /// A value in words: of a table with a type the type first, of a long one without only that it is there.
