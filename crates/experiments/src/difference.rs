@@ -1,4 +1,8 @@
-//! In what two values of a spec differ, in words.
+//! In what two values of a spec differ, in words, and in what several do.
+
+mod several;
+
+pub(crate) use several::{Given, partings};
 
 use std::collections::BTreeMap;
 

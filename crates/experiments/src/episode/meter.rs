@@ -102,9 +102,12 @@ impl EpisodeMeter {
             self.near_time += sample.dt;
             self.near_distance += sample.distance;
         }
-        let acceleration = (sample.speed_after - sample.speed_before) / sample.dt;
-        self.acceleration_changes += (acceleration - self.acceleration).abs();
-        self.acceleration = acceleration;
+        // A step that a collision ends as it begins has no acceleration.
+        if sample.dt > 0.0 {
+            let acceleration = (sample.speed_after - sample.speed_before) / sample.dt;
+            self.acceleration_changes += (acceleration - self.acceleration).abs();
+            self.acceleration = acceleration;
+        }
         let before = self.braking;
         self.braking = self.next_braking(sample);
         if self.braking != Braking::No && before == Braking::No {
@@ -264,6 +267,16 @@ mod tests {
         meter.push(&Sample { speed_before: 1.0, speed_after: 0.998, dt: 0.001, ..CRUISE }); // brakes at 2 m/s^2
         let jerk = meter.finish(0, Outcome::Collision, 1.0).mean_jerk.unwrap();
         assert!((jerk - 2.0 / 0.801).abs() < 1e-9, "{jerk}");
+    }
+
+    #[test]
+    fn a_step_of_no_time_adds_no_jerk() {
+        for speed_after in [1.0, 0.9] {
+            let mut meter = EpisodeMeter::new(2.0);
+            speeds(&mut meter, &[1.0, 1.0, 1.0], 5.0);
+            meter.push(&Sample { speed_before: 1.0, speed_after, dt: 0.0, distance: 0.0, ..CRUISE });
+            assert_eq!(meter.finish(0, Outcome::Collision, 1.0).mean_jerk, Some(0.0));
+        }
     }
 
     #[test]

@@ -181,6 +181,15 @@ impl Metric {
         matches!(self, Self::Vetoes | Self::Stops)
     }
 
+    /// The metric that is the share of an outcome.
+    pub fn share_of(outcome: Outcome) -> Self {
+        match outcome {
+            Outcome::Success => Self::Success,
+            Outcome::Collision => Self::Collision,
+            Outcome::Timeout => Self::Timeout,
+        }
+    }
+
     /// The outcome whose share of the episodes this metric is, if it is one.
     pub fn outcome(self) -> Option<Outcome> {
         match self {

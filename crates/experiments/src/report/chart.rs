@@ -3,9 +3,13 @@
 mod intervals;
 mod lines;
 mod palette;
+mod panels;
+mod scatter;
 
 pub(super) use intervals::{Bar, Column, IntervalChart};
-pub(super) use lines::{Facet, Line, LineChart};
+pub(super) use lines::{LineChart, XRange};
+pub(super) use panels::{Facet, Series};
+pub(super) use scatter::{ScatterChart, Spot};
 
 use crate::plot::scale::Scale;
 use crate::plot::svg::{Anchor, Frame, GRID, INK, Svg};

@@ -1,5 +1,7 @@
 //! Which seeds of a cell collapsed.
 
+use std::collections::BTreeMap;
+
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::{Policy, Report, Row, RunRow, TABLE_WIDTH};
@@ -71,6 +73,17 @@ impl Serialize for Collapsed {
 }
 
 impl Report {
+    /// How many of the runs that were trained collapsed, and how many were trained; runs that cells share count once.
+    pub(super) fn n_collapsed(&self) -> (usize, usize) {
+        let trained = self.runs.iter().filter(|run| matches!(run.policy, Policy::At(_)));
+        // What an evaluation shows may be in one cell only.
+        let runs = trained.fold(BTreeMap::new(), |mut runs, run| {
+            *runs.entry(&run.train_id).or_insert(false) |= !run.collapse.is_empty();
+            runs
+        });
+        (runs.values().filter(|collapsed| **collapsed).count(), runs.len())
+    }
+
     /// The lines that stand below the table: one for each cell of which a seed collapsed.
     pub(super) fn collapsed(&self) -> Vec<String> {
         let cells = self.rows.chunk_by(|row, next| row.axes == next.axes).map(|rows| &rows[0]);

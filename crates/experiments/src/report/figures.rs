@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::Row;
-use super::chart::{Bar, Column, Facet, IntervalChart, Line, LineChart};
+use super::chart::{Bar, Column, Facet, IntervalChart, LineChart, ScatterChart, Series, Spot, XRange};
 use super::study::{Aggregate, Comparison, Curves, N_CLEARANCE_EPISODES, Point, Study};
 use super::table::{header_words, number};
 use crate::Error;
@@ -12,6 +12,12 @@ use crate::plot;
 
 /// Most cells whose lines share a frame.
 const MAX_LINES: usize = 6;
+
+/// Shares closer to none or to all than this are not worth room.
+const FLAT: f64 = 0.01;
+
+/// A frame of lines.
+type Lines = Facet<Vec<Point>>;
 
 /// One figure of a study.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -43,6 +49,7 @@ pub enum FigureFormat {
 /// The figures of a study by what they tell.
 #[derive(Debug)]
 pub(super) struct Figures {
+    pub(super) speed: Vec<Figure>,
     pub(super) intervals: Vec<Figure>,
     pub(super) comparison: Vec<Figure>,
     pub(super) curves: Vec<Figure>,
@@ -50,7 +57,7 @@ pub(super) struct Figures {
 }
 
 impl Study {
-    /// Writes every figure to a folder, which is made if need be: the intervals, comparisons, learning curves and speeds
+    /// Writes every figure to a folder, which is made if need be: success against speed, intervals, comparisons, learning curves and speeds
     /// over clearance, and, if the study was loaded with them, every drive. The paths of the files.
     ///
     /// # Errors
@@ -58,8 +65,8 @@ impl Study {
     pub fn write_figures(&self, folder: &Path, format: FigureFormat) -> Result<Vec<PathBuf>, Error> {
         let renderer = plot::PngRenderer::default();
         std::fs::create_dir_all(folder).map_err(|error| Error::io("create the folder", folder, error))?;
-        let Figures { intervals, comparison, curves, clearance } = self.figures();
-        let charts = [intervals, comparison, curves, clearance].concat();
+        let Figures { speed, intervals, comparison, curves, clearance } = self.figures();
+        let charts = [speed, intervals, comparison, curves, clearance].concat();
         let charts = charts.into_iter().map(|figure| (figure.name, figure.svg));
         let drives = self.drives().filter_map(|drive| {
             let Row { axes, world, .. } = &self.report.rows[drive.row];
@@ -84,11 +91,44 @@ impl Study {
     /// All figures but those of drives.
     pub(super) fn figures(&self) -> Figures {
         Figures {
+            speed: self.worlds().into_iter().map(|world| self.speed(world)).collect(),
             intervals: self.worlds().into_iter().map(|world| self.intervals(world)).collect(),
             comparison: self.comparison(),
             curves: self.curves.iter().map(|curves| self.learning_curve(curves)).collect(),
             clearance: self.clearance(),
         }
+    }
+
+    fn speed(&self, world: &str) -> Figure {
+        let rows = self.rows_of(world);
+        let row_of = |cell| rows.iter().copied().find(|row| self.places[*row].cell == cell);
+        let [x, y] = [Metric::MeanSpeed, Metric::Success].map(header_words);
+        let chart = ScatterChart {
+            x_label: format!("{} ({})", x.0, x.1),
+            y_label: format!("{} ({})", y.0, y.1),
+            y_top: 100.0,
+            facets: self.facets(|cell| self.spot(row_of(cell)?)),
+        };
+        Figure {
+            name: file_name(&format!("speed-{world}")),
+            title: format!("World {world}"),
+            caption: "Right is faster; up is where more goals are reached. Marks: mean over the training seeds; thin bars: 95 % percentile \
+                      bootstrap intervals of both over the seeds, from three seeds on."
+                .into(),
+            svg: chart.svg(),
+            is_wide: chart.facets.len() > 1,
+        }
+    }
+
+    /// The mark of a row: its success over its mean speed.
+    fn spot(&self, row: usize) -> Option<Spot> {
+        let [speed, success] = [Metric::MeanSpeed, Metric::Success].map(|metric| self.bar(row, metric));
+        let (speed, success) = (speed?, success?);
+        Some(Spot {
+            at: [speed.mean, success.mean],
+            bands: [speed.interval, success.interval],
+            tip: format!("{}\n{}", success.tip, speed.tip),
+        })
     }
 
     fn intervals(&self, world: &str) -> Figure {
@@ -98,8 +138,8 @@ impl Study {
             Metric::Collision,
             Metric::Timeout,
             Metric::MeanSpeed,
-            Metric::SpeedNearObstacles,
-            Metric::Spl,
+            Metric::NeedlessDecelerationsPerM,
+            Metric::MeanJerk,
         ];
         let column = |metric: Metric| {
             let (title, unit) = header_words(metric);
@@ -130,10 +170,15 @@ impl Study {
     fn bar(&self, row: usize, metric: Metric) -> Option<Bar> {
         let (place, numbers) = (&self.places[row], &self.report.rows[row]);
         let factor = if metric.quantity() == Quantity::Rate { 100.0 } else { 1.0 };
-        let mean = numbers.estimate(metric).mean?;
+        // Of values beyond all bounds there is no place on an axis.
+        let mean = numbers.estimate(metric).mean.filter(|mean| mean.is_finite())?;
         let runs = &self.report.runs[self.cells[place.cell].runs.clone()];
-        let units: Vec<f64> = runs.iter().filter_map(|run| metric.of(run.summaries[place.world].1.as_ref()?)).collect();
-        let interval = numbers.interval(metric);
+        let units: Vec<f64> = runs
+            .iter()
+            .filter_map(|run| metric.of(run.summaries[place.world].1.as_ref()?))
+            .filter(|unit| unit.is_finite())
+            .collect();
+        let interval = numbers.interval(metric).filter(|(low, high)| low.is_finite() && high.is_finite());
         let text = |value: f64| number(value, metric.quantity());
         let ends = interval.map_or_else(String::new, |(low, high)| format!(" ({} to {})", text(low), text(high)));
         let (name, unit) = header_words(metric);
@@ -156,13 +201,15 @@ impl Study {
                 title: format!("Performance profile: {name}"),
                 caption: format!(
                     "The share of runs (a seed in a world) whose {name} is above the value below. Higher is better \
-                     everywhere; bands are pointwise 95 % bootstrap intervals, from three seeds on."
+                     everywhere; bands are pointwise 95 % bootstrap intervals, from three seeds on. Each frame shows the scores \
+                     at which its shares change."
                 ),
                 ..of_lines(&LineChart {
                     x_label: format!("{name}, \u{3c4}"),
+                    x_range: XRange::OfFrame,
                     y_label: "share of runs above \u{3c4}".into(),
                     y_range: Some([0.0, 1.0]),
-                    facets: self.facets(|cell| comparison.profiles[cell].clone()),
+                    facets: self.facets(|cell| comparison.profiles[cell].clone()).into_iter().map(zoomed).collect(),
                 })
             }
         };
@@ -211,6 +258,7 @@ impl Study {
                     .into(),
             ..of_lines(&LineChart {
                 x_label: "env steps".into(),
+                x_range: XRange::FromZero,
                 y_label: curves.quantity.label().into(),
                 y_range: curves.quantity.range(),
                 facets: self.facets(|cell| curves.by_cell[cell].clone()),
@@ -219,7 +267,7 @@ impl Study {
     }
 
     fn clearance(&self) -> Vec<Figure> {
-        let figure = |name: String, title: String, facets: Vec<Facet>| Figure {
+        let figure = |name: String, title: String, facets: Vec<Lines>| Figure {
             name,
             title,
             caption: format!(
@@ -229,12 +277,13 @@ impl Study {
             ),
             ..of_lines(&LineChart {
                 x_label: "clearance (m)".into(),
+                x_range: XRange::FromZero,
                 y_label: "mean speed (m/s)".into(),
                 y_range: None,
                 facets,
             })
         };
-        let of = |world: &str| -> Vec<Facet> {
+        let of = |world: &str| -> Vec<Lines> {
             let rows = self.rows_of(world);
             self.facets(|cell| {
                 let row = rows.iter().find(|row| self.places[**row].cell == cell);
@@ -242,9 +291,10 @@ impl Study {
             })
         };
         let worlds = self.worlds().into_iter().map(|world| (world, of(world)));
-        let worlds: Vec<_> = worlds.filter(|(_, facets)| facets.iter().any(|facet| !facet.is_empty())).collect();
+        let worlds: Vec<_> =
+            worlds.filter(|(_, facets)| facets.iter().any(|facet| facet.points().next().is_some())).collect();
         if worlds.iter().all(|(_, facets)| facets.len() == 1) {
-            let facets: Vec<Facet> = worlds
+            let facets: Vec<Lines> = worlds
                 .into_iter()
                 .flat_map(|(world, facets)| facets.into_iter().map(|facet| Facet { title: world.into(), ..facet }))
                 .collect();
@@ -258,31 +308,48 @@ impl Study {
         worlds.into_iter().map(one).collect()
     }
 
-    /// The cells' lines in frames: one for all if they are few, or else one for each level of the first axis.
-    fn facets(&self, points: impl Fn(usize) -> Vec<Point>) -> Vec<Facet> {
-        let cells = 0..self.cells.len();
-        let first: Vec<&str> =
-            cells.clone().filter_map(|cell| Some(self.cells[cell].distinct.first()?.as_str())).collect();
-        if self.cells.len() <= MAX_LINES || first.len() < self.cells.len() || self.cells[0].distinct.len() < 2 {
-            let line = |cell| Line { key: self.label(cell), points: points(cell) };
-            return vec![Facet { title: String::new(), lines: cells.map(line).collect() }];
+    /// What is drawn of each cell, in frames: one for all if they are few, or else one for each level of the first axis.
+    fn facets<T>(&self, data: impl Fn(usize) -> T) -> Vec<Facet<T>> {
+        let series = |(cell, key)| Series { key, data: data(cell) };
+        let facet = |(title, cells): (String, Vec<_>)| Facet { title, series: cells.into_iter().map(series).collect() };
+        self.frames(MAX_LINES).into_iter().map(facet).collect()
+    }
+
+    /// The cells with what they are called: all together if they are no more than `n_together`, or else those of each level
+    /// of the first axis, under its name.
+    pub(super) fn frames(&self, n_together: usize) -> Vec<(String, Vec<(usize, String)>)> {
+        let cells = || self.cells.iter().enumerate();
+        if self.cells.len() <= n_together || cells().any(|(_, cell)| cell.distinct.len() < 2) {
+            return vec![(String::new(), cells().map(|(number, _)| (number, self.label(number))).collect())];
         }
-        let mut facets: Vec<Facet> = Vec::new();
-        for (cell, title) in cells.zip(first) {
-            let line = Line { key: self.cells[cell].distinct[1..].join(" · "), points: points(cell) };
-            match facets.iter_mut().find(|facet| facet.title == title) {
-                Some(facet) => facet.lines.push(line),
-                None => facets.push(Facet { title: title.to_owned(), lines: vec![line] }),
+        let mut frames: Vec<(String, Vec<(usize, String)>)> = Vec::new();
+        for (number, cell) in cells() {
+            let (title, cell) = (&cell.distinct[0], (number, cell.distinct[1..].join(" · ")));
+            match frames.iter_mut().find(|(known, _)| known == title) {
+                Some((_, cells)) => cells.push(cell),
+                None => frames.push((title.clone(), vec![cell])),
             }
         }
-        facets
+        frames
     }
 }
 
-impl Facet {
-    fn is_empty(&self) -> bool {
-        self.lines.iter().all(|line| line.points.is_empty())
+/// The part of a frame of profiles where they change: not the scores that nearly all runs of all cells are above, nor those that
+/// hardly any is.
+fn zoomed(mut facet: Lines) -> Lines {
+    let among = |is_flat: fn(f64) -> bool| {
+        let others = facet.points().filter(move |point| !is_flat(point.y)).map(|point| point.x);
+        others.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+    };
+    // The first score of which some share is not yet nearly one, and the last of which some is more than nearly none.
+    let (low, high) = (among(|share| share >= 1.0 - FLAT).0, among(|share| share <= FLAT).1);
+    let xs = || facet.points().map(|point| point.x);
+    let low = xs().filter(|x| *x < low).fold(0.0, f64::max);
+    let high = xs().filter(|x| *x > high).fold(1.0, f64::min);
+    if low < high {
+        facet.series.iter_mut().for_each(|line| line.data.retain(|point| low <= point.x && point.x <= high));
     }
+    facet
 }
 
 /// The path of a figure: names that differ in what files cannot have must not share one.
@@ -306,6 +373,25 @@ fn file_name(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn profiles_are_shown_where_they_change() {
+        let line = |ys: &[f64]| {
+            let point = |(k, y): (usize, &f64)| Point { x: k as f64 / 5.0, y: *y, band: None, n: 3 };
+            Series { key: String::new(), data: ys.iter().enumerate().map(point).collect() }
+        };
+        let kept = |lines: &[&[f64]]| {
+            let facet = zoomed(Facet { title: String::new(), series: lines.iter().map(|ys| line(ys)).collect() });
+            facet.series[0].data.iter().map(|point| (5.0 * point.x).round() as usize).collect::<Vec<_>>()
+        };
+        let early = &[1.0, 1.0, 0.5, 0.0, 0.0, 0.0][..];
+        assert_eq!(kept(&[early]), [1, 2, 3]);
+        assert_eq!(kept(&[early, &[1.0, 1.0, 1.0, 1.0, 0.3, 0.0]]), [1, 2, 3, 4, 5]);
+        assert_eq!(kept(&[&[1.0, 0.995, 0.0, 0.0, 0.0, 0.0]]), [1, 2], "a step");
+        for flat in [0.0, 0.5, 1.0] {
+            assert_eq!(kept(&[&[flat; 6]]), [0, 1, 2, 3, 4, 5], "nothing changes");
+        }
+    }
 
     #[test]
     fn files_stay_in_their_folder() {

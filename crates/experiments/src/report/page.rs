@@ -1,6 +1,7 @@
 //! A study as one HTML page that needs nothing beside it: no network, no library, no font.
 
 mod budget;
+mod cells;
 mod comparison;
 mod links;
 mod results;
@@ -11,9 +12,11 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use super::Row;
 use super::figures::{Figure, Figures};
 use super::study::{ASKED, Choice, Counts, Drive, Study};
-use super::{Row, table};
+use super::table::{self, number};
+use crate::episode::{Metric, Quantity};
 use crate::plot::colour::VIRIDIS;
 use budget::Shown;
 use links::relative;
@@ -58,6 +61,7 @@ impl Study {
             ("meaning", escaped(&self.report.meaning())),
             ("definitions", escaped(table::DEFINITIONS)),
             ("results", self.results()),
+            ("cells", self.cells_section()),
             ("rule", escaped(Choice::RULE)),
             ("drives", self.options(&shown)),
             ("figures", self.sections(&figures)),
@@ -89,18 +93,22 @@ impl Study {
             1 => counts.keys().next().cloned().unwrap_or_default(),
             _ => counts.iter().map(|(value, n)| format!("{value} ({n} runs)")).collect::<Vec<_>>().join(", "),
         };
+        let (n_collapsed, n_trained) = self.report.n_collapsed();
+        let collapsed = (n_trained > 0).then(|| ("Collapsed", format!("{n_collapsed} of {n_trained} runs")));
         let facts = [
             ("Spec", self.name.clone()),
             ("Cells", self.cells.len().to_string()),
             ("Training seeds", seeds),
             ("Runs complete", format!("{} of {}", self.report.n_complete, self.report.n_runs)),
+        ];
+        let rest = [
             ("Worlds", self.worlds().join(", ")),
             ("Episodes", n_episodes.to_string()),
             ("Results version", counted(&self.versions)),
             ("Code revision", counted(&self.revisions)),
         ];
         let fact = |(name, value): &(&str, String)| format!("<div><dt>{name}</dt><dd>{}</dd></div>", escaped(value));
-        facts.iter().map(fact).collect()
+        facts.iter().chain(&collapsed).chain(&rest).map(fact).collect()
     }
 
     /// What a reader must know before trusting the numbers.
@@ -114,15 +122,27 @@ impl Study {
     /// The choice of drives.
     fn options(&self, shown: &Shown<'_>) -> String {
         let option = |(number, drive): (usize, &&Drive)| {
-            let text = format!("{}: {}", self.row_label(drive.row), said(drive));
+            let text = format!("{}: {}", self.row_label(drive.row), self.said(drive));
             format!("<option value=\"{number}\">{}</option>", escaped(&text))
         };
         shown.drives.iter().enumerate().map(option).collect()
     }
 
+    /// What a drive is called in lists: with the share of its outcome, so that nobody takes the rare for the usual.
+    fn said(&self, drive: &Drive) -> String {
+        let Drive { seed, scenario, why, duration, outcome, .. } = drive;
+        let share = self.report.rows[drive.row].estimate(Metric::share_of(*outcome)).mean;
+        let share = share.map(|share| format!("{} % of episodes", number(share, Quantity::Rate)));
+        // The others' names say how they end.
+        let name = (*why == ASKED).then(|| outcome.name().to_owned());
+        let known: Vec<String> = name.into_iter().chain(share).collect();
+        format!("{why} ({}), seed {seed}, scenario {scenario}, {duration:.1} s", known.join(", "))
+    }
+
     fn sections(&self, figures: &Figures) -> String {
-        let Figures { intervals, comparison, curves, clearance } = figures;
+        let Figures { speed, intervals, comparison, curves, clearance } = figures;
         [
+            section("speed", "Success against speed", speed, ""),
             section("intervals", "Intervals", intervals, ""),
             section("contrasts", "One axis at a time", &[], &self.contrast_tables()),
             section("comparison", "Cells beside each other", comparison, &self.ranking_tables()),
@@ -131,14 +151,6 @@ impl Study {
         ]
         .concat()
     }
-}
-
-/// What a drive is called in lists.
-fn said(drive: &Drive) -> String {
-    let Drive { seed, scenario, why, duration, .. } = drive;
-    // The others' names say how they end.
-    let outcome = if *why == ASKED { format!(" ({})", drive.outcome.name()) } else { String::new() };
-    format!("{why}{outcome}, seed {seed}, scenario {scenario}, {duration:.1} s")
 }
 
 fn section(id: &str, title: &str, figures: &[Figure], rest: &str) -> String {

@@ -9,6 +9,7 @@ mod comparison;
 mod curves;
 mod drives;
 mod redrive;
+mod settings;
 mod steps;
 mod trace;
 
@@ -23,6 +24,7 @@ pub(super) use comparison::{Aggregate, Comparison, Ranking};
 pub(super) use curves::Quantity;
 pub(super) use drives::{ASKED, Driven};
 pub use drives::{Drive, Trajectories};
+pub(super) use settings::{Setting, Settings};
 pub use steps::{ControlStep, DriveSteps, steps};
 pub use trace::{Form, Scene, Trace};
 
@@ -53,6 +55,8 @@ pub struct Study {
     pub(super) rankings: Vec<Ranking>,
     /// One for each axis with several levels, and for the worlds if there are several.
     pub(super) contrasts: Vec<Contrasts>,
+    /// What sets the cells apart.
+    pub(super) settings: Vec<Settings>,
     /// One per row of the report.
     pub(super) driven: Vec<Driven>,
 }
@@ -116,6 +120,7 @@ impl Study {
         let runs: Vec<&[RunRow]> = cells.iter().map(|cell| &report.runs[cell.runs.clone()]).collect();
         let (comparisons, rankings) = (Comparison::all(&runs)?, Ranking::all(&runs)?);
         let contrasts = contrasts(&report);
+        let settings = settings::settings(root, &index, &cells, &report.runs)?;
         let tasks = again::tasks(&index, &cells, &report);
         let (driven, warnings) = again::each(tasks, |task| task.drive(root, choice, with))?;
         report.warnings.extend(warnings);
@@ -133,6 +138,7 @@ impl Study {
             comparisons,
             rankings,
             contrasts,
+            settings,
             driven,
         })
     }

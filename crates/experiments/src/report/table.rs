@@ -126,7 +126,7 @@ impl Report {
     }
 
     /// The value that all the rows share.
-    fn common(&self, value: impl Fn(&Row) -> usize) -> Option<usize> {
+    pub(super) fn common(&self, value: impl Fn(&Row) -> usize) -> Option<usize> {
         let first = value(self.rows.first()?);
         self.rows.iter().all(|row| value(row) == first).then_some(first)
     }

@@ -96,6 +96,53 @@ fn it_says_what_the_report_says() {
     assert!(!page.contains("otherwise than recorded: by"), "episodes driven again are those recorded");
 }
 
+/// Nobody arrives within a second; two cells share their runs.
+const HASTE: &str = r#"
+name = "haste"
+seeds = { first = 0, count = 2 }
+train = { n_steps = 1_000, log_every = 500 }
+[evaluate]
+n_episodes = 3
+worlds = [{ name = "room", time_limit = 0.4, world = { type = "room_10x15" } }]
+[[axis]]
+name = "who"
+[axis.levels]
+"alone <b>" = {}
+shielded = { "evaluate.shield" = { margin = 0.3 } }
+vfh = { "policy.type" = "vfh" }
+"#;
+
+#[test]
+fn it_says_which_seeds_collapsed_and_what_cells_are() {
+    let bench = Bench::get();
+    fs::write(bench.path("haste.toml"), HASTE).unwrap();
+    bench.succeed(&["run", "haste.toml", "--out", "haste"]);
+    bench.succeed(&["report", "haste", "--format", "html"]);
+    let page = fs::read_to_string(bench.path("haste/report.html")).unwrap();
+    assert!(page.contains("<dt>Collapsed</dt><dd>2 of 2 runs</dd>"), "a run counts once");
+    for (row, is_trained) in [true, true, false].into_iter().enumerate() {
+        let link = format!("<a href=\"#runs-{row}\" data-metric=\"collapsed\"><b>2/2</b></a>");
+        assert_eq!(page.contains(&link), is_trained);
+        let (_, runs) = page.split_once(&format!("<details id=\"runs-{row}\">")).unwrap();
+        let (runs, _) = runs.split_once("</details>").unwrap();
+        let n_verdicts = runs.matches("times out (100 % of evaluation episodes").count();
+        assert_eq!(n_verdicts, if is_trained { 2 } else { 0 });
+        assert_eq!(runs.contains(">collapsed</th>"), is_trained);
+    }
+    let (_, cells) = page.split_once("<section id=\"cells\">").unwrap();
+    let (cells, _) = cells.split_once("</section>").unwrap();
+    let row = |path: &str| -> Vec<&str> {
+        let (_, row) = cells.split_once(&format!("<code>{path}</code></th>")).expect(path);
+        row.split_once("</tr>").unwrap().0.split("<code>").skip(1).map(|cell| cell.split_once('<').unwrap().0).collect()
+    };
+    assert!(cells.contains("<th scope=\"col\">alone &lt;b&gt;</th><th scope=\"col\">shielded</th>"));
+    let [alone, shielded, vfh]: [&str; 3] = row("evaluate.shield").try_into().unwrap();
+    assert!(alone == "absent" && vfh == "absent" && shielded.contains("margin = 0.3"), "{shielded}");
+    assert_eq!(row("agent"), ["{ \u{2026} }", "{ \u{2026} }", "absent"]);
+    assert!(row("policy")[2].starts_with("type = &quot;vfh&quot;, "));
+    assert!(!cells.contains("agent."), "what is in a table that not all have is the same in those that do");
+}
+
 #[test]
 fn it_needs_nothing_beside_it() {
     let page = Bench::get().page("alone.html", &[]);
@@ -160,7 +207,7 @@ fn figures_are_files() {
     let bench = Bench::get();
     let listed = bench.succeed(&["report", "out", "--format", "svg", "--out", "figures"]);
     assert_eq!(fs::read_dir(bench.path("figures")).unwrap().count(), listed.lines().count());
-    for start in ["intervals-", "iqm", "profile-success", "curve-reached", "clearance", "drive-"] {
+    for start in ["speed-", "intervals-", "iqm", "profile-success", "curve-reached", "clearance", "drive-"] {
         let path = listed.lines().find(|line| line.starts_with(&format!("figures/{start}"))).expect(start);
         let svg = fs::read_to_string(bench.path(path)).unwrap();
         assert!(svg.starts_with("<svg xmlns=") && svg.ends_with("</svg>\n") && !svg.contains("NaN"), "{path}");

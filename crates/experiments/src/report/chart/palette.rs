@@ -1,4 +1,6 @@
-//! Which line is whose.
+//! Which line or mark is whose.
+
+use crate::plot::svg::{Frame, Svg};
 
 /// Colours that the colour-blind can tell apart (Okabe and Ito, 2008, "Color Universal Design"), without black and yellow,
 /// which vanish on one of a page's two grounds.
@@ -18,13 +20,32 @@ pub(super) fn stroke(k: usize) -> String {
     format!(r#"fill="none" stroke="{}" stroke-width="2" stroke-linejoin="round"{dashes}"#, colour(k))
 }
 
+/// Draws the mark of series number `k`: colour and shape.
+pub(super) fn mark(svg: &mut Svg, [x, y]: [f64; 2], k: usize) {
+    let style = format!(r#"fill="{}" fill-opacity="0.8" stroke="white" stroke-width="1.2""#, colour(k));
+    match k / COLOURS.len() % DASHES.len() {
+        0 => svg.circle([x, y], 5.0, &style),
+        1 => svg.rect(Frame { x: x - 4.5, y: y - 4.5, width: 9.0, height: 9.0 }, &style),
+        2 => svg.polygon(&[[x, y - 6.0], [x + 5.5, y + 4.5], [x - 5.5, y + 4.5]], &style),
+        _ => svg.polygon(&[[x, y - 6.5], [x + 6.5, y], [x, y + 6.5], [x - 6.5, y]], &style),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn two_dozen_lines_differ() {
+    fn two_dozen_series_differ() {
         let strokes: std::collections::BTreeSet<_> = (0..24).map(stroke).collect();
         assert_eq!(strokes.len(), 24);
+        let marks: std::collections::BTreeSet<_> = (0..24)
+            .map(|k| {
+                let mut svg = Svg::default();
+                mark(&mut svg, [0.0, 0.0], k);
+                svg.document(1.0, 1.0)
+            })
+            .collect();
+        assert_eq!(marks.len(), 24);
     }
 }

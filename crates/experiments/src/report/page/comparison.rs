@@ -11,6 +11,9 @@ use crate::report::table::header_words;
 /// The metrics of contrasts.
 const SHOWN: [Metric; 4] = [Metric::Success, Metric::MeanSpeed, Metric::NeedlessDecelerationsPerM, Metric::MeanJerk];
 
+/// Most cells in one matrix, which would be too wide with more.
+const MAX_CELLS: usize = 12;
+
 impl Study {
     /// One axis at a time: a table for each, all closed but the first.
     pub(super) fn contrast_tables(&self) -> String {
@@ -33,22 +36,35 @@ impl Study {
         self.rankings.iter().map(|ranking| self.matrix(ranking)).collect()
     }
 
+    /// The matrix of a metric; of many cells, one for each level of the first axis.
     fn matrix(&self, ranking: &Ranking) -> String {
-        let labels: Vec<String> = (0..self.cells.len()).map(|cell| escaped(&self.label(cell))).collect();
-        let head: String = labels.iter().map(|label| format!("<th scope=\"col\"><span>{label}</span></th>")).collect();
-        let row = |(x, more): (usize, &Vec<Option<Interval>>)| {
-            let cells: String = more.iter().enumerate().map(|(y, more)| cell(x == y, more.as_ref())).collect();
-            format!("<tr><th scope=\"row\">{}</th>{cells}</tr>\n", labels[x])
+        let matrix = |(title, cells): (String, Vec<(usize, String)>)| {
+            let title = if title.is_empty() { title } else { format!("<h4>{}</h4>", escaped(&title)) };
+            format!("<div>{title}{}</div>", table_of(ranking, &cells))
         };
-        let rows: String = ranking.more.iter().enumerate().map(row).collect();
+        let matrices: String = self.frames(MAX_CELLS).into_iter().map(matrix).collect();
         format!(
             "<h3>Probability of more: {}</h3><p>How likely a run of the row's cell is to have more than a run of the \
              column's, in %, averaged over the worlds; ties count by half. Bold where the 95 % bootstrap interval over the seeds \
-             leaves out 50 %.</p><div class=\"scroll\" tabindex=\"0\"><table class=\"matrix\"><thead><tr><td></td>{head}</tr>\
-             </thead><tbody>{rows}</tbody></table></div>\n",
+             leaves out 50 %.</p><div class=\"matrices\">{matrices}</div>\n",
             header_words(ranking.metric).0
         )
     }
+}
+
+/// Pairs of the cells, which are given with what they are called.
+fn table_of(ranking: &Ranking, cells: &[(usize, String)]) -> String {
+    let head: String =
+        cells.iter().map(|(_, label)| format!("<th scope=\"col\"><span>{}</span></th>", escaped(label))).collect();
+    let row = |(x, label): &(usize, String)| {
+        let pairs: String = cells.iter().map(|(y, _)| cell(x == y, ranking.more[*x][*y].as_ref())).collect();
+        format!("<tr><th scope=\"row\">{}</th>{pairs}</tr>\n", escaped(label))
+    };
+    let rows: String = cells.iter().map(row).collect();
+    format!(
+        "<div class=\"scroll\" tabindex=\"0\"><table class=\"matrix\"><thead><tr><td></td>{head}</tr>\
+         </thead><tbody>{rows}</tbody></table></div>"
+    )
 }
 
 fn contrast_table(contrasts: &Contrasts, is_open: bool) -> String {

@@ -2,8 +2,12 @@
 
 use super::text::escaped;
 use crate::episode::Metric;
+use crate::report::Collapsed;
 use crate::report::study::Study;
 use crate::report::table::{UNDEFINED, header_words, number};
+
+/// The head of the column that says how many seeds collapsed.
+const COLLAPSED: &str = "<th scope=\"col\" class=\"n\" data-metric=\"collapsed\">collapsed<small>seeds</small></th>";
 
 impl Study {
     /// The table, one row per cell and world; each cell's rows are a body of their own.
@@ -21,8 +25,10 @@ impl Study {
         };
         let bodies: String = cells.map(body).collect();
         format!(
-            "<table class=\"results sortable\"><thead><tr>{axes}<th scope=\"col\">world</th><th scope=\"col\" class=\"n\">seeds</th>\
-             {head}</tr></thead>{bodies}</table>"
+            "<table class=\"results sortable\"><thead><tr>{axes}<th scope=\"col\">world</th>\
+             {seeds}{collapsed}{head}</tr></thead>{bodies}</table>",
+            seeds = if self.has_own_seeds() { "<th scope=\"col\" class=\"n\">seeds</th>" } else { "" },
+            collapsed = if self.is_trained() { COLLAPSED } else { "" },
         )
     }
 
@@ -32,7 +38,33 @@ impl Study {
         let name = |(k, name)| format!("<th scope=\"row\"{}>{}</th>", self.class_of_axis(k), escaped(name));
         let names: String = levels.enumerate().map(name).collect();
         let cells: String = metrics.iter().map(|metric| self.cell(row, *metric)).collect();
-        format!("<tr>{names}<td class=\"n\">{}</td>{cells}</tr>\n", numbers.n_seeds)
+        let collapsed = if self.is_trained() { self.collapsed(row) } else { String::new() };
+        let n_seeds = format!("<td class=\"n\">{}</td>", numbers.n_seeds);
+        let seeds = if self.has_own_seeds() { n_seeds } else { String::new() };
+        format!("<tr>{names}{seeds}{collapsed}{cells}</tr>\n")
+    }
+
+    /// Whether the rows differ in their number of seeds, which is said above the table if they do not.
+    fn has_own_seeds(&self) -> bool {
+        self.report.common(|row| row.n_seeds).is_none()
+    }
+
+    /// Whether any run was trained, and so can have collapsed.
+    fn is_trained(&self) -> bool {
+        self.report.rows.iter().any(|row| row.collapsed.n_trained > 0)
+    }
+
+    /// How many of the trained seeds collapsed, which leads to their verdicts.
+    fn collapsed(&self, row: usize) -> String {
+        let Collapsed { n_trained, seeds } = &self.report.rows[row].collapsed;
+        if *n_trained == 0 {
+            return format!("<td class=\"n\" data-value=\"\">{UNDEFINED}</td>");
+        }
+        let (n, share) = (seeds.len(), seeds.len() as f64 / *n_trained as f64);
+        let shown = if n > 0 { format!("<b>{n}/{n_trained}</b>") } else { format!("{n}/{n_trained}") };
+        format!(
+            "<td class=\"n\" data-value=\"{share}\"><a href=\"#runs-{row}\" data-metric=\"collapsed\">{shown}</a></td>"
+        )
     }
 
     /// What tells a column that is the same in all rows, so that narrow windows can do without.

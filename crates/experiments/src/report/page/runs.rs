@@ -8,6 +8,9 @@ use crate::report::study::{Drive, Study};
 use crate::report::table::{UNDEFINED, number};
 use crate::report::{Policy, RunRow};
 
+/// The head of the column that says how seeds collapsed.
+const COLLAPSED: &str = "<th scope=\"col\" data-metric=\"collapsed\">collapsed</th>";
+
 impl Study {
     /// A table per row of the report; `root` is the link to the results folder.
     pub(super) fn run_tables(&self, root: &str, shown: &Shown<'_>) -> String {
@@ -19,12 +22,18 @@ impl Study {
         let cell = &self.cells[self.places[row].cell];
         let head: String = metrics.iter().map(|metric| column_head(*metric)).collect();
         let runs = self.report.runs[cell.runs.clone()].iter();
-        let rows: String = runs.map(|run| self.run(row, run, root, shown, metrics)).collect();
+        let is_trained = self.report.rows[row].collapsed.n_trained > 0;
+        let line = |run| {
+            let verdict = if is_trained { verdict(run) } else { String::new() };
+            format!("<tr>{}{verdict}</tr>\n", self.run(row, run, root, shown, metrics))
+        };
+        let rows: String = runs.map(line).collect();
         format!(
             "<details id=\"runs-{row}\"><summary>{}</summary><div class=\"scroll\" tabindex=\"0\"><table class=\"sortable\"><thead><tr>\
-             <th scope=\"col\" class=\"n\">seed</th><th scope=\"col\">run</th>{head}<th scope=\"col\">drives</th></tr></thead>\
+             <th scope=\"col\" class=\"n\">seed</th><th scope=\"col\">run</th>{head}<th scope=\"col\">drives</th>{collapsed}</tr></thead>\
              <tbody>{rows}</tbody></table></div></details>\n",
             escaped(&self.row_label(row)),
+            collapsed = if is_trained { COLLAPSED } else { "" },
         )
     }
 
@@ -53,10 +62,17 @@ impl Study {
         };
         let drives: Vec<String> = shown.of_run(row, run.seed).map(link).collect();
         format!(
-            "<tr><td class=\"n\">{}</td><td><a href=\"{folder}\"><code>{}</code></a>{state}</td>{values}<td class=\"links\">{}</td></tr>\n",
+            "<td class=\"n\">{}</td><td><a href=\"{folder}\"><code>{}</code></a>{state}</td>{values}<td class=\"links\">{}</td>",
             run.seed,
             run.train_id,
             drives.join("<br>")
         )
     }
+}
+
+/// How a run collapsed, if it did.
+fn verdict(run: &RunRow) -> String {
+    let how: Vec<String> = run.collapse.iter().map(|how| escaped(&how.describe())).collect();
+    let how = if how.is_empty() { "no".to_owned() } else { how.join("<br>") };
+    format!("<td class=\"verdict\" data-metric=\"collapsed\">{how}</td>")
 }

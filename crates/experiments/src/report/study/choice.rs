@@ -45,7 +45,7 @@ impl Choice {
     /// The rule, in words for the reader.
     pub const RULE: &'static str = "For each cell and world, the typical seed is the one with the median success rate \
         (of two, the lower). Of its episodes the page shows the success of median duration, the collision that came \
-        soonest, and the timeout that covered the least distance.";
+        soonest, and the timeout that covered the least distance, the commonest outcome of the cell in this world first.";
 
     /// The typical of the runs in their world number `world`: that of median success.
     pub(super) fn typical_run(runs: &[RunRow], world: usize) -> Option<&RunRow> {
@@ -55,8 +55,13 @@ impl Choice {
         known.get(known.len().saturating_sub(1) / 2).map(|(_, run)| *run)
     }
 
-    /// The episodes of the typical seed that are shown, the most telling of each outcome first, successes first.
-    pub(super) fn of_episodes<'a>(&self, episodes: &'a [EpisodeRecord]) -> Vec<(&'static str, &'a EpisodeRecord)> {
+    /// The episodes of the typical seed that are shown, the most telling of each outcome first; outcomes in the order of how
+    /// common they are, given by `share`.
+    pub(super) fn of_episodes<'a>(
+        &self,
+        episodes: &'a [EpisodeRecord],
+        share: impl Fn(Outcome) -> f64,
+    ) -> Vec<(&'static str, &'a EpisodeRecord)> {
         let n = self.n_per_outcome.get();
         let of = |outcome: Outcome, key: fn(&EpisodeRecord) -> f64| {
             let mut of: Vec<&EpisodeRecord> = episodes.iter().filter(|episode| episode.outcome == outcome).collect();
@@ -66,11 +71,14 @@ impl Choice {
         let successes = from_the_middle(&of(Outcome::Success, |episode| episode.duration));
         let collisions = of(Outcome::Collision, |episode| episode.duration);
         let timeouts = of(Outcome::Timeout, |episode| episode.distance);
-        let named = |why, list: Vec<&'a EpisodeRecord>| list.into_iter().take(n).map(move |episode| (why, episode));
-        named("typical success", successes)
-            .chain(named("soonest collision", collisions))
-            .chain(named("shortest timeout", timeouts))
-            .collect()
+        let mut lists = [
+            (Outcome::Success, "typical success", successes),
+            (Outcome::Collision, "soonest collision", collisions),
+            (Outcome::Timeout, "shortest timeout", timeouts),
+        ];
+        lists.sort_by(|a, b| share(b.0).total_cmp(&share(a.0)));
+        let named = |(_, why, list): (_, _, Vec<&'a EpisodeRecord>)| list.into_iter().take(n).map(move |it| (why, it));
+        lists.into_iter().flat_map(named).collect()
     }
 }
 
@@ -123,14 +131,22 @@ mod tests {
             episode(5, Outcome::Collision, 3.0, 4.0),
             episode(6, Outcome::Timeout, 60.0, 0.5),
         ];
-        let scenarios = |choice: &Choice| {
-            choice.of_episodes(&episodes).iter().map(|(_, episode)| episode.scenario).collect::<Vec<_>>()
+        let shares = |choice: &Choice, shares: [f64; 3]| {
+            let share = |outcome| match outcome {
+                Outcome::Success => shares[0],
+                Outcome::Collision => shares[1],
+                Outcome::Timeout => shares[2],
+            };
+            let shown = choice.of_episodes(&episodes, share);
+            shown.iter().map(|(_, episode)| episode.scenario).collect::<Vec<_>>()
         };
+        let scenarios = |choice: &Choice| shares(choice, [0.4, 0.3, 0.3]);
         let mut choice = Choice::default();
         assert_eq!(scenarios(&choice), [4, 5, 6]);
         choice.n_per_outcome = NonZeroUsize::new(2).unwrap();
         assert_eq!(scenarios(&choice), [4, 2, 5, 1, 6, 3]);
-        assert!(choice.of_episodes(&[]).is_empty());
+        assert_eq!(shares(&choice, [0.1, 0.1, 0.8]), [6, 3, 4, 2, 5, 1]);
+        assert!(choice.of_episodes(&[], |_| 0.0).is_empty());
     }
 
     #[test]

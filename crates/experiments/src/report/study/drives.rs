@@ -9,7 +9,7 @@ use super::clearance::{self, Meter, N_EPISODES};
 use super::redrive::Evaluation;
 use super::trace::{Recorder, Scene, Trace};
 use crate::Error;
-use crate::episode::{EpisodeRecord, Outcome};
+use crate::episode::{EpisodeRecord, Metric, Outcome};
 use crate::evaluate::ScenarioSet;
 use crate::plot::Trajectory;
 use crate::report::RunRow;
@@ -112,6 +112,13 @@ impl Task<'_> {
         self.runs.iter().filter(|run| run.summaries[self.world].1.is_some())
     }
 
+    /// The share of an outcome among the row's episodes, averaged over the seeds.
+    fn share(&self, outcome: Outcome) -> f64 {
+        let summaries = self.evaluated().filter_map(|run| run.summaries[self.world].1);
+        let shares: Vec<f64> = summaries.filter_map(|summary| Metric::share_of(outcome).of(&summary)).collect();
+        shares.iter().sum::<f64>() / shares.len().max(1) as f64
+    }
+
     /// The episodes of a seed that are shown, and why: those of the typical seed by the rule, then those asked for.
     pub(super) fn shown<'a>(
         &self,
@@ -120,7 +127,8 @@ impl Task<'_> {
         records: &'a [EpisodeRecord],
     ) -> Vec<(&'static str, &'a EpisodeRecord)> {
         let typical = Choice::typical_run(self.runs, self.world).map(|run| run.seed);
-        let mut shown = if typical == Some(seed) { choice.of_episodes(records) } else { Vec::new() };
+        let mut shown =
+            if typical == Some(seed) { choice.of_episodes(records, |outcome| self.share(outcome)) } else { Vec::new() };
         let here =
             choice.asked.iter().filter(|pick| pick.is_of(&self.levels) && pick.world == self.name && pick.seed == seed);
         let record = |scenario: u64| records.iter().find(|record| record.scenario == scenario);
