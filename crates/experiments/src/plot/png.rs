@@ -53,6 +53,8 @@ impl Default for PngRenderer {
         for font in [dejavu::sans::regular(), dejavu::sans::bold()] {
             fonts.load_font_source(fontdb::Source::Binary(Arc::new(font)));
         }
+        // Whatever family an SVG names, this one is what is left.
+        fonts.set_serif_family("DejaVu Sans");
         Self { options: Options { fontdb: Arc::new(fonts), ..Options::default() } }
     }
 }
