@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use crate::Error;
 use crate::report::{self, Choice, Policy, Report};
 use crate::store::{Index, RunFolder};
-use table::Table;
+use table::{Table, WholeTable};
 use tables::{Episode, Interval};
 
 /// What an export left behind.
@@ -40,8 +40,9 @@ impl Export {
     /// are those of the episodes that `choice` names, driven again on all cores.
     ///
     /// # Errors
-    /// As [`report::load`] and [`report::steps`], before anything is written; [`Error::Io`] if a file cannot be written. Tables that
-    /// were there stay as they are until all are whole.
+    /// As [`report::load`] and [`report::steps`], and [`Error::Input`] if a folder stands where a table belongs, before anything is
+    /// written; [`Error::Io`] if a file cannot be written. Tables that were there stay as they are until all new ones are whole
+    /// beside them, and nothing half-written is left: only if the system then refuses one of the renames do older tables stand beside newer ones.
     ///
     /// ```
     /// use headway_experiments::export::Export;
@@ -53,6 +54,7 @@ impl Export {
     pub fn write(root: &Path, folder: &Path, choice: &Choice) -> Result<Self, Error> {
         let index = Index::load(root)?;
         let mut report = report::load(root)?;
+        check_places(folder)?;
         let (drives, warnings) = report::steps(root, &report, choice)?;
         fs::create_dir_all(folder).map_err(|error| Error::io("create the folder", folder, error))?;
         let episodes = Table::create(folder, "episodes", &tables::episodes(&report.axes, &[]))?;
@@ -63,9 +65,19 @@ impl Export {
         let (columns, n_steps) = (tables::steps(&report, &drives), drives.iter().map(|drive| drive.steps.len()).sum());
         let mut steps = Table::create(folder, "steps", &columns)?;
         steps.push(&columns, n_steps)?;
-        let files = [episodes, training, steps].into_iter().map(Table::finish).collect::<Result<_, _>>()?;
+        let whole = [episodes, training, steps].into_iter().map(Table::close).collect::<Result<Vec<_>, _>>()?;
+        let files = whole.into_iter().map(WholeTable::place).collect::<Result<_, _>>()?;
         report.warnings.extend(warnings);
         Ok(Self { files, notes: report.notes() })
+    }
+}
+
+/// Refuses folders where tables belong: nothing can be put in their places.
+fn check_places(folder: &Path) -> Result<(), Error> {
+    let mut places = ["episodes", "training", "steps"].map(|name| table::path_of(folder, name)).into_iter();
+    match places.find(|place| place.is_dir()) {
+        Some(place) => Err(Error::Input(format!("`{}` is a folder; a table belongs there", place.display()))),
+        None => Ok(()),
     }
 }
 

@@ -13,7 +13,7 @@ mod speed;
 pub(crate) mod svg;
 
 pub use figure::{figure, small_multiples};
-pub use png::PngRenderer;
+pub use png::{Picture, PngError, PngRenderer};
 
 use crate::episode::Outcome;
 

@@ -15,7 +15,7 @@ mod table;
 
 pub use collapsed::{Collapsed, CollapsedSeed};
 pub use contrast::{Contrast, Contrasts, Difference, WORLD};
-pub use figures::{Figure, FigureFormat};
+pub use figures::{Figure, FigureFormat, WrittenFigures};
 pub use load::load;
 pub use runs::{Policy, RunRow};
 pub use study::{Choice, ControlStep, Drive, DriveSteps, Form, Pick, Scene, Study, Trace, Trajectories, steps};

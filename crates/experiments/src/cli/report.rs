@@ -71,8 +71,8 @@ fn write_page(args: &ReportArgs, out: &mut dyn Write) -> Result<Vec<String>, Err
 fn write_figures(args: &ReportArgs, format: FigureFormat, out: &mut dyn Write) -> Result<Vec<String>, Error> {
     let folder = args.out.clone().unwrap_or_else(|| args.dir.join("figures"));
     let study = Study::load(&args.dir, &args.choice(), Trajectories::Kept)?;
-    let paths = study.write_figures(&folder, format)?;
-    let lines: String = paths.iter().map(|path| format!("{}\n", path.display())).collect();
+    let written = study.write_figures(&folder, format)?;
+    let lines: String = written.paths.iter().map(|path| format!("{}\n", path.display())).collect();
     print(out, &lines)?;
-    Ok(study.report.notes())
+    Ok([study.report.notes(), written.notes].concat())
 }

@@ -1,7 +1,7 @@
 //! One file of an export, written group by group, so that memory does not grow with the study.
 
 use std::fs::{self, File};
-use std::io::{BufWriter, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use super::ExportedFile;
@@ -11,12 +11,43 @@ use crate::Error;
 /// Rows of a group; the last one has fewer.
 const GROUP: usize = 1 << 17;
 
-/// A table that is being written, beside its place.
+/// Where the table of this name stands.
+pub(super) fn path_of(folder: &Path, name: &str) -> PathBuf {
+    folder.join(name).with_extension("parquet")
+}
+
+/// A table that is being written, beside its place; dropped before it is placed, it leaves nothing there.
 pub(super) struct Table {
-    path: PathBuf,
-    partial: PathBuf,
+    partial: Partial,
     writer: TableWriter<BufWriter<File>>,
     n_rows: usize,
+}
+
+/// A table that is written in full, beside its place.
+pub(super) struct WholeTable {
+    partial: Partial,
+    n_rows: usize,
+    n_bytes: u64,
+}
+
+/// A file beside its place, removed when dropped.
+struct Partial {
+    path: PathBuf,
+    place: PathBuf,
+}
+
+impl Partial {
+    /// An error of writing: whatever it is, no other argument would have helped.
+    fn error(&self, source: impl std::error::Error + Send + Sync + 'static) -> Error {
+        Error::io("write", &self.place, io::Error::other(source))
+    }
+}
+
+impl Drop for Partial {
+    fn drop(&mut self) {
+        // Not there once it is in its place.
+        let _ = fs::remove_file(&self.path);
+    }
 }
 
 impl Table {
@@ -25,11 +56,12 @@ impl Table {
     /// # Errors
     /// If it cannot be written.
     pub(super) fn create(folder: &Path, name: &str, columns: &[Column]) -> Result<Self, Error> {
-        let path = folder.join(name).with_extension("parquet");
-        let partial = path.with_extension("parquet.partial");
-        let file = File::create(&partial).map_err(|error| Error::io("create", &partial, error))?;
-        let writer = TableWriter::new(BufWriter::new(file), name, columns).map_err(Error::failure)?;
-        Ok(Self { path, partial, writer, n_rows: 0 })
+        let place = path_of(folder, name);
+        let path = place.with_extension("parquet.partial");
+        let file = File::create(&path).map_err(|error| Error::io("create", &path, error))?;
+        let partial = Partial { path, place };
+        let writer = TableWriter::new(BufWriter::new(file), name, columns).map_err(|error| partial.error(error))?;
+        Ok(Self { partial, writer, n_rows: 0 })
     }
 
     /// Appends the rows of these columns as a group.
@@ -38,7 +70,7 @@ impl Table {
     /// If it cannot be written.
     pub(super) fn push(&mut self, columns: &[Column], n_rows: usize) -> Result<(), Error> {
         self.n_rows += n_rows;
-        self.writer.push(columns).map_err(Error::failure)
+        self.writer.push(columns).map_err(|error| self.partial.error(error))
     }
 
     /// Appends all rows, which come in batches of any size, in groups of [`GROUP`]; one without rows where there are none.
@@ -65,16 +97,28 @@ impl Table {
         Ok(self)
     }
 
-    /// Ends the file and puts it in its place.
+    /// Ends the file.
     ///
     /// # Errors
     /// If it cannot be written.
-    pub(super) fn finish(self) -> Result<ExportedFile, Error> {
-        let Self { path, partial, writer, n_rows } = self;
-        let mut file = writer.finish().map_err(Error::failure)?;
-        let placed = file.flush().and_then(|()| fs::rename(&partial, &path)).and_then(|()| fs::metadata(&path));
-        let n_bytes = placed.map_err(|error| Error::io("write", &path, error))?.len();
-        Ok(ExportedFile { path, n_rows, n_bytes })
+    pub(super) fn close(self) -> Result<WholeTable, Error> {
+        let Self { partial, writer, n_rows } = self;
+        let mut file = writer.finish().map_err(|error| partial.error(error))?;
+        let closed = file.flush().and_then(|()| file.get_ref().metadata());
+        let n_bytes = closed.map_err(|error| partial.error(error))?.len();
+        Ok(WholeTable { partial, n_rows, n_bytes })
+    }
+}
+
+impl WholeTable {
+    /// Puts the file in its place.
+    ///
+    /// # Errors
+    /// If the system refuses.
+    pub(super) fn place(self) -> Result<ExportedFile, Error> {
+        let Self { partial, n_rows, n_bytes } = self;
+        fs::rename(&partial.path, &partial.place).map_err(|error| partial.error(error))?;
+        Ok(ExportedFile { path: partial.place.clone(), n_rows, n_bytes })
     }
 }
 
@@ -93,7 +137,7 @@ mod tests {
             let mut next = 0..;
             let batches = sizes.iter().map(|n| Ok(next.by_ref().take(*n).collect::<Vec<u64>>()));
             let table = Table::create(folder.path(), name, &columns(&[])).unwrap();
-            table.fill(batches, columns).unwrap().finish().unwrap()
+            table.fill(batches, columns).unwrap().close().unwrap().place().unwrap()
         };
         let groups = |file: &ExportedFile| {
             let reader = SerializedFileReader::new(File::open(&file.path).unwrap()).unwrap();

@@ -1,5 +1,6 @@
 //! The figures of a study, as a page shows them and as files for papers.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::Row;
@@ -8,7 +9,7 @@ use super::study::{Aggregate, Comparison, Curves, N_CLEARANCE_EPISODES, Point, S
 use super::table::{header_words, number};
 use crate::Error;
 use crate::episode::{Metric, Quantity};
-use crate::plot;
+use crate::plot::{self, PngError, PngRenderer};
 
 /// Most cells whose lines share a frame.
 const MAX_LINES: usize = 6;
@@ -46,6 +47,15 @@ pub enum FigureFormat {
     },
 }
 
+/// What [`Study::write_figures`] left behind.
+#[derive(Debug)]
+pub struct WrittenFigures {
+    /// The files.
+    pub paths: Vec<PathBuf>,
+    /// What a reader must know before trusting the pictures, one line each.
+    pub notes: Vec<String>,
+}
+
 /// The figures of a study by what they tell.
 #[derive(Debug)]
 pub(super) struct Figures {
@@ -58,13 +68,11 @@ pub(super) struct Figures {
 
 impl Study {
     /// Writes every figure to a folder, which is made if need be: success against speed, intervals, comparisons, learning curves and speeds
-    /// over clearance, and, if the study was loaded with them, every drive. The paths of the files.
+    /// over clearance, and, if the study was loaded with them, every drive.
     ///
     /// # Errors
-    /// [`Error::Input`] if a PNG would be too large; [`Error::Io`] if a file cannot be written.
-    pub fn write_figures(&self, folder: &Path, format: FigureFormat) -> Result<Vec<PathBuf>, Error> {
-        let renderer = plot::PngRenderer::default();
-        std::fs::create_dir_all(folder).map_err(|error| Error::io("create the folder", folder, error))?;
+    /// [`Error::Input`], before anything is written, if a PNG would be too large; [`Error::Io`] if a file cannot be written.
+    pub fn write_figures(&self, folder: &Path, format: FigureFormat) -> Result<WrittenFigures, Error> {
         let Figures { speed, intervals, comparison, curves, clearance } = self.figures();
         let charts = [speed, intervals, comparison, curves, clearance].concat();
         let charts = charts.into_iter().map(|figure| (figure.name, figure.svg));
@@ -74,18 +82,20 @@ impl Study {
             let name = format!("drive-{}-{world}-{}-{}", cell.join("-"), drive.seed, drive.scenario);
             Some((file_name(&name), plot::figure(drive.trajectory.as_ref()?)))
         });
-        let mut paths = Vec::new();
-        for (name, svg) in charts.chain(drives) {
-            let (ending, bytes) = match format {
-                FigureFormat::Svg => ("svg", Some(svg.into_bytes())),
-                FigureFormat::Png { scale } => ("png", renderer.png(&svg, scale)),
-            };
-            let path = free_path(folder, &name, ending, &paths);
-            let too_large = || Error::Input(format!("--scale: `{}` would be too large", path.display()));
-            std::fs::write(&path, bytes.ok_or_else(too_large)?).map_err(|error| Error::io("write", &path, error))?;
-            paths.push(path);
+        let figures: Vec<(String, String)> = charts.chain(drives).collect();
+        match format {
+            FigureFormat::Svg => {
+                let paths = write_all(folder, "svg", figures, |svg| Ok(svg.into_bytes()))?;
+                Ok(WrittenFigures { paths, notes: Vec::new() })
+            }
+            FigureFormat::Png { scale } => {
+                let renderer = PngRenderer::default();
+                let notes = check_png(&renderer, &figures, scale)?;
+                let png = |svg: String| renderer.picture(&svg)?.png(scale);
+                let paths = write_all(folder, "png", figures, |svg| png(svg).map_err(Error::failure))?;
+                Ok(WrittenFigures { paths, notes })
+            }
         }
-        Ok(paths)
     }
 
     /// All figures but those of drives.
@@ -350,6 +360,47 @@ fn zoomed(mut facet: Lines) -> Lines {
         facet.series.iter_mut().for_each(|line| line.data.retain(|point| low <= point.x && point.x <= high));
     }
     facet
+}
+
+/// Refuses a scale at which one of the figures would be too large; a note on the signs that none of them can show.
+fn check_png(renderer: &PngRenderer, figures: &[(String, String)], scale: f64) -> Result<Vec<String>, Error> {
+    let (mut unpainted, mut too_large) = (BTreeSet::new(), Vec::new());
+    for (name, svg) in figures {
+        let refused = |error| Error::Input(format!("`{name}` cannot be drawn: {error}"));
+        let picture = renderer.picture(svg).map_err(refused)?;
+        unpainted.extend(picture.unpainted());
+        if let Err(error) = picture.size(scale) {
+            too_large.push((name, error));
+        }
+    }
+    let greatest = |error: &PngError| match error {
+        PngError::TooLarge { greatest_scale, .. } => *greatest_scale,
+        PngError::NotSvg(_) => 0.0,
+    };
+    // What the largest of them fits, all do.
+    if let Some((name, error)) = too_large.into_iter().min_by(|(_, a), (_, b)| greatest(a).total_cmp(&greatest(b))) {
+        return Err(Error::Input(format!("--scale {scale}: `{name}.png`: {error}; --format svg has no limit")));
+    }
+    let signs: Vec<String> = unpainted.iter().map(|sign| format!("`{sign}` (U+{:04X})", u32::from(*sign))).collect();
+    let note = || format!("warning: boxes stand in the figures for signs that their font lacks: {}", signs.join(", "));
+    Ok((!signs.is_empty()).then(note).into_iter().collect())
+}
+
+/// Writes each figure to a file of its own; their paths.
+fn write_all(
+    folder: &Path,
+    ending: &str,
+    figures: Vec<(String, String)>,
+    bytes: impl Fn(String) -> Result<Vec<u8>, Error>,
+) -> Result<Vec<PathBuf>, Error> {
+    std::fs::create_dir_all(folder).map_err(|error| Error::io("create the folder", folder, error))?;
+    let mut paths = Vec::new();
+    for (name, svg) in figures {
+        let path = free_path(folder, &name, ending, &paths);
+        std::fs::write(&path, bytes(svg)?).map_err(|error| Error::io("write", &path, error))?;
+        paths.push(path);
+    }
+    Ok(paths)
 }
 
 /// The path of a figure: names that differ in what files cannot have must not share one.

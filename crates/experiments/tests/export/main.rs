@@ -280,6 +280,52 @@ fn bad_input_is_refused_and_writes_nothing() {
     assert!(!bench.path("new").exists() && !bench.path("nothing/tables").exists());
 }
 
+/// A folder with tables of an earlier export, which are one word each.
+fn with_old_tables(bench: &Bench, folder: &str, names: &[&str]) {
+    fs::create_dir_all(bench.path(folder)).unwrap();
+    for name in names {
+        fs::write(bench.path(folder).join(name), "old").unwrap();
+    }
+}
+
+fn files_in(folder: &Path) -> Vec<String> {
+    let mut names: Vec<_> =
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+/// Found when the last of them was to be put in its place: the others were new by then.
+#[test]
+fn a_folder_in_a_tables_place_is_refused_before_any_is_replaced() {
+    let bench = Bench::get();
+    with_old_tables(bench, "blocked", &["episodes.parquet", "training.parquet"]);
+    fs::create_dir_all(bench.path("blocked/steps.parquet")).unwrap();
+    let output = bench.experiments(&["export", "out", "--out", "blocked"]);
+    let message = "error: `blocked/steps.parquet` is a folder; a table belongs there\n";
+    assert_eq!((output.status.code(), &String::from_utf8_lossy(&output.stderr)[..]), (Some(2), message));
+    assert_eq!(files_in(&bench.path("blocked")), ["episodes.parquet", "steps.parquet", "training.parquet"]);
+    assert_eq!(fs::read_to_string(bench.path("blocked/episodes.parquet")).unwrap(), "old");
+}
+
+/// A full disk at the last table left the others new, and what was half-written.
+#[test]
+#[cfg(target_os = "linux")]
+fn tables_are_replaced_together_or_not_at_all() {
+    let (bench, names) = (Bench::get(), ["episodes.parquet", "steps.parquet", "training.parquet"]);
+    with_old_tables(bench, "full", &names);
+    std::os::unix::fs::symlink("/dev/full", bench.path("full/steps.parquet.partial")).unwrap();
+    let output = bench.experiments(&["export", "out", "--out", "full"]);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains("error: full/steps.parquet: cannot write: "), "{message}");
+    assert!(message.contains("No space left"), "{message}");
+    assert_eq!(files_in(&bench.path("full")), names);
+    for name in names {
+        assert_eq!(fs::read_to_string(bench.path("full").join(name)).unwrap(), "old", "{name}");
+    }
+}
+
 #[test]
 #[ignore = "needs a Python with polars and duckdb, named by HEADWAY_PYTHON"]
 fn polars_and_duckdb_find_what_the_report_says() {

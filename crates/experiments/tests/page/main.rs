@@ -243,21 +243,79 @@ fn figures_are_pixels_too() {
     assert!(bench.fail(&["report", "out", "--format", "png", "--scale", "99"]).contains("from 0.5 to 10"));
 }
 
+/// The bounds of what a text paints, and its pixels, line by line.
+fn painted(text: &str) -> Option<([usize; 2], Vec<bool>)> {
+    let svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"200\" height=\"40\" font-family=\"Helvetica, 'DejaVu Sans', sans-serif\">\
+         <rect width=\"100%\" height=\"100%\" fill=\"white\"/><text x=\"5\" y=\"25\">{text}</text></svg>"
+    );
+    let png = headway_experiments::plot::PngRenderer::default().picture(&svg).unwrap().png(2.0).unwrap();
+    let picture = image::load_from_memory(&png).unwrap().to_luma8();
+    let dark: Vec<_> =
+        picture.enumerate_pixels().filter(|(.., pixel)| pixel[0] < 200).map(|(x, y, _)| [x, y]).collect();
+    let ends = |axis: usize| Some([dark.iter().map(|at| at[axis]).min()?, dark.iter().map(|at| at[axis]).max()?]);
+    let [[left, right], [top, bottom]] = [ends(0)?, ends(1)?];
+    let pixels = (top..=bottom).flat_map(|y| (left..=right).map(move |x| [x, y]));
+    let size = [right - left + 1, bottom - top + 1].map(|side| side as usize);
+    Some((size, pixels.map(|[x, y]| picture.get_pixel(x, y)[0] < 200).collect()))
+}
+
 #[test]
 fn words_are_painted() {
-    let renderer = headway_experiments::plot::PngRenderer::default();
-    let dark = |text: &str| {
-        let svg = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"200\" height=\"40\" font-family=\"Helvetica, 'DejaVu Sans', sans-serif\">\
-             <rect width=\"100%\" height=\"100%\" fill=\"white\"/><text x=\"5\" y=\"25\">{text}</text></svg>"
-        );
-        let picture = image::load_from_memory(&renderer.png(&svg, 2.0).unwrap()).unwrap().to_luma8();
-        picture.pixels().filter(|pixel| pixel[0] < 200).count()
-    };
-    assert_eq!(dark(""), 0);
-    for text in ["success", "\u{3c4}", "m/s\u{b3}", "\u{2013}", "R \u{b7} 10x15"] {
-        assert!(dark(text) > 5, "{text}");
+    assert_eq!(painted(""), None);
+    // What stands for a sign without a glyph, of which the font has none.
+    let missing = painted("\u{901f}");
+    assert!(missing.is_some() && missing == painted("\u{3044}"), "a box, whatever the sign");
+    for sign in "success\u{3c4}m/s\u{b3}\u{2013}R\u{b7}10x15\u{2212}\u{b1}\u{394}".chars() {
+        let glyph = painted(&sign.to_string());
+        assert!(glyph.is_some() && glyph != missing, "{sign}");
     }
+    let widths = ["R", "R \u{b7} 10x15"].map(|text| painted(text).unwrap().0[0]);
+    assert!(widths[1] > 5 * widths[0], "{widths:?}");
+}
+
+/// What `report --format png` says of a grid of pure pursuits of these names, and the files that it leaves.
+fn painted_grid(names: &[String], scale: &str) -> (Output, Vec<String>) {
+    let folder = tempfile::tempdir().unwrap();
+    let level = |(k, name): (usize, &String)| {
+        let speed = 0.5 + 0.005 * k as f64;
+        format!("\"{name}\" = {{ \"policy.type\" = \"pure_pursuit\", \"policy.desired_linear_vel\" = {speed} }}\n")
+    };
+    let levels: String = names.iter().enumerate().map(level).collect();
+    let head = "name = \"drivers\"\nseeds = { first = 0, count = 1 }\nevaluate = { n_episodes = 1 }\n";
+    fs::write(folder.path().join("spec.toml"), format!("{head}[[axis]]\nname = \"driver\"\n[axis.levels]\n{levels}"))
+        .unwrap();
+    let experiments = |args: &[&str]| {
+        Command::new(env!("CARGO_BIN_EXE_experiments")).current_dir(folder.path()).args(args).output().unwrap()
+    };
+    let run = experiments(&["run", "spec.toml", "--out", "out"]);
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let report = experiments(&["report", "out", "--format", "png", "--out", "painted", "--scale", scale]);
+    let files = fs::read_dir(folder.path().join("painted")).into_iter().flatten();
+    (report, files.map(|file| file.unwrap().file_name().into_string().unwrap()).collect())
+}
+
+/// Found while they were painted: the folder was half full by then, and nothing said what would fit.
+#[test]
+fn too_large_figures_are_refused_before_any_is_written() {
+    let names: Vec<_> = (0..120).map(|k| format!("driver {k}")).collect();
+    let (report, files) = painted_grid(&names, "10");
+    let message = String::from_utf8_lossy(&report.stderr);
+    assert_eq!(report.status.code(), Some(2), "{message}");
+    // 960 x (44 + 120 x 24 + 26), of which 2^28 pixels are the 9.737-fold.
+    let said = "it would have 9600 x 29500 pixels, of which there may be 268435456 at most: the greatest scale that fits is 9.73";
+    assert!(message.contains("error: --scale 10: `") && message.contains(said), "{message}");
+    assert!(files.is_empty(), "{files:?}");
+}
+
+#[test]
+fn signs_that_cannot_be_painted_are_named_once() {
+    let (report, files) = painted_grid(&["速い".to_owned(), "\u{3c4}".to_owned()], "1");
+    let message = String::from_utf8_lossy(&report.stderr);
+    assert!(report.status.success() && !files.is_empty(), "{message}");
+    let note = "warning: boxes stand in the figures for signs that their font lacks: `\u{3044}` (U+3044), `\u{901f}` (U+901F)\n";
+    assert_eq!(message.matches(note).count(), 1, "{message}");
+    assert_eq!(message.matches("U+").count(), 2, "{message}");
 }
 
 #[test]

@@ -17,36 +17,87 @@ struct Line {
     words: Vec<String>,
 }
 
-/// The command lines of a block, as a shell would take them: comments, variables, and lines that go on.
+/// The packages whose programs have these command lines.
+const PACKAGES: [&str; 2] = ["headway-experiments", "smooth-experiments"];
+
+/// The command lines of a block, as a shell would take them: comments, variables, lines that go on, several commands in one.
+///
+/// # Panics
+/// If a line calls the program more often than commands are found in it: what is not read would not be tried.
 fn lines(block: &Code) -> Vec<Line> {
     let mut variables = BTreeMap::new();
     let mut lines = Vec::new();
     for (number, text) in block.text.replace("\\\n", " ").lines().enumerate() {
-        let Some(words) = shlex::split(text) else { continue };
-        if let [word] = &words[..]
-            && let Some((name, value)) = word.split_once('=')
-        {
-            variables.insert(format!("${name}"), shlex::split(value).unwrap());
-        }
-        let filled = words.into_iter().flat_map(|word| variables.get(&word).cloned().unwrap_or_else(|| vec![word]));
-        if let Some(words) = from_experiments(filled.take_while(|word| word != ">").collect()) {
-            lines.push(Line { place: format!("{}, line {} of it", block.place, number + 1), words });
-        }
+        let place = format!("{}, line {} of it", block.place, number + 1);
+        let commands = shlex::split(text).map(|words| commands(words, &mut variables)).unwrap_or_default();
+        let found: Vec<_> = commands.into_iter().filter_map(from_experiments).collect();
+        assert!(found.len() >= n_calls(text), "{place}: this calls `experiments` in a way that is not read: {text}");
+        lines.extend(found.into_iter().map(|words| Line { place: place.clone(), words }));
     }
     lines
+}
+
+/// How often a line calls the program, as far as its bare words tell.
+fn n_calls(text: &str) -> usize {
+    let words: Vec<_> = text.split_whitespace().take_while(|word| !word.starts_with('#')).collect();
+    let program = |word: &str| word.trim_start_matches(['$', '(', '"', '\'']).rsplit('/').next() == Some("experiments");
+    let cli = Cli::command();
+    let is_command = |word: &str| cli.find_subcommand(word.trim_end_matches([')', '"', '\'', ';'])).is_some();
+    words.windows(2).filter(|pair| program(pair[0]) && is_command(pair[1])).count()
+}
+
+/// The commands of a line, variables filled in, without what sets variables or says where the output goes.
+fn commands(words: Vec<String>, variables: &mut BTreeMap<String, Vec<String>>) -> Vec<Vec<String>> {
+    let ends = |word: &String| ["&&", "||", "|", ";", "&"].contains(&word.as_str());
+    // As in `cd there; experiments list`.
+    let apart = words.into_iter().flat_map(|word| match word.strip_suffix(';') {
+        Some(word) => vec![word.to_owned(), ";".to_owned()],
+        None => vec![word],
+    });
+    let apart: Vec<String> = apart.collect();
+    let mut commands = Vec::new();
+    for words in apart.split(ends) {
+        let n_set = words.iter().take_while(|word| assignment(word).is_some()).count();
+        let (set, words) = words.split_at(n_set);
+        if words.is_empty() {
+            let set = set.iter().filter_map(|word| assignment(word));
+            variables.extend(set.map(|(name, value)| (format!("${name}"), shlex::split(value).unwrap())));
+        }
+        let filled = words.iter().flat_map(|word| variables.get(word).cloned().unwrap_or_else(|| vec![word.clone()]));
+        commands.push(filled.take_while(|word| !word.starts_with('>')).collect());
+    }
+    commands
+}
+
+/// The name and the value that a word sets, if it does.
+fn assignment(word: &str) -> Option<(&str, &str)> {
+    let is_name = |name: &str| !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    word.split_once('=').filter(|(name, _)| is_name(name))
 }
 
 /// The words from `experiments` on, which `cargo run --release --` stands for; none of other programs.
 fn from_experiments(words: Vec<String>) -> Option<Vec<String>> {
     let (program, rest) = words.split_first()?;
     match &program[..] {
-        "experiments" => Some(words),
         "cargo" if rest.first()? == "run" => {
             let at = rest.iter().position(|word| word == "--")?;
-            Some([&["experiments".to_owned()], &rest[at + 1..]].concat())
+            let arguments = [&["experiments".to_owned()], &rest[at + 1..]].concat();
+            runs_experiments(&rest[..at]).then_some(arguments)
         }
-        _ => None,
+        _ => (program.rsplit('/').next() == Some("experiments")).then_some(words),
     }
+}
+
+/// Whether `cargo run` with these options runs a program of these command lines, as it does where it is not told which.
+fn runs_experiments(options: &[String]) -> bool {
+    let values = |names: &[&str]| -> Vec<String> {
+        let of_next = options.windows(2).filter(|pair| names.contains(&&pair[0][..])).map(|pair| pair[1].clone());
+        let own = options.iter().filter_map(|option| option.split_once('=')).filter(|(name, _)| names.contains(name));
+        of_next.chain(own.map(|(_, value)| value.to_owned())).collect()
+    };
+    let programs = values(&["--bin", "--example"]);
+    values(&["-p", "--package"]).iter().all(|package| PACKAGES.contains(&&package[..]))
+        && programs.iter().all(|program| ["experiments", "smooth-experiments"].contains(&&program[..]))
 }
 
 /// Whether it is shell: a block that says so, or does not say what it is; or a whole command in a sentence, with its arguments.
@@ -132,11 +183,42 @@ fn every_option_in_a_sentence_exists() {
     }
 }
 
+/// The commands found in a text, their words parted by bars.
+fn found_in(text: &str) -> Vec<String> {
+    let lines = lines(&Code::of_block("here".as_ref(), text.into()));
+    lines.iter().map(|line| line.words[1..].join("|")).collect()
+}
+
 #[test]
 fn shell_is_read_as_a_shell_does() {
     let text = "C=\"--set a.b=1 --set 'c=[2, 3]'\"\nexperiments run x.toml $C \\\n  --jobs 2 # fast\n\
-                cargo run --release -p other -- list > names\ncargo test --release\n";
-    let found = lines(&Code::of_block("here".as_ref(), text.into()));
-    let words: Vec<_> = found.iter().map(|line| line.words.join("|")).collect();
-    assert_eq!(words, ["experiments|run|x.toml|--set|a.b=1|--set|c=[2, 3]|--jobs|2", "experiments|list"]);
+                cargo run --release -- list > names\ncargo test --release\n";
+    assert_eq!(found_in(text), ["run|x.toml|--set|a.b=1|--set|c=[2, 3]|--jobs|2", "list"]);
+    assert_eq!(found_in("A=b B=c experiments list"), ["list"]);
+    assert_eq!(
+        found_in("cd x; experiments list && ./target/release/experiments run a.toml | tail"),
+        ["list", "run|a.toml"]
+    );
+    assert!(found_in("It's prose. `experiments run SPEC` trains; experiments take time.").is_empty());
+}
+
+/// Another package's `list` was taken for ours.
+#[test]
+fn other_programs_are_not_ours() {
+    for other in ["-p other", "--package=other", "--bin other", "--example=other", "-p headway-experiments --bin other"]
+    {
+        assert!(found_in(&format!("cargo run --release {other} -- list")).is_empty(), "{other}");
+    }
+    for own in ["-p smooth-experiments", "--package=headway-experiments", "--bin experiments", "--release"] {
+        assert_eq!(found_in(&format!("cargo run {own} -- list")), ["list"], "{own}");
+    }
+}
+
+/// These were passed over in silence.
+#[test]
+fn calls_that_cannot_be_read_are_failures() {
+    for text in ["experiments run 'x.toml", "for x in 1 2; do experiments list; done", "echo \"$(experiments list)\""] {
+        let read = std::panic::catch_unwind(|| found_in(text));
+        assert!(read.is_err(), "{text}: {read:?}");
+    }
 }
