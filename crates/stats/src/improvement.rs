@@ -1,6 +1,6 @@
 //! How likely one arm is to beat another.
 
-use crate::{Bootstrap, Interval, Redrawn, Scores, StatsError};
+use crate::{Bootstrap, Interval, Scores, StatsError};
 
 /// The probability that a run of X beats a run of Y in a task, averaged over the tasks:
 /// `P = 1/M sum_m U_m / (N_x N_y)`, where `U_m` counts the pairs of runs in which X scores more, and ties by half (Mann
@@ -61,46 +61,6 @@ pub fn improvement_bootstrap(x: &Scores, y: &Scores, how: &Bootstrap) -> Result<
     }))
 }
 
-/// The [probability of improvement](probability_of_improvement) with the bootstrap interval of arms whose runs belong together: row k
-/// of both is seed k, or the same policy. Every resample redraws the rows, the same ones for both arms.
-///
-/// Where the two are alike row by row, as one policy in two worlds is, [`improvement_bootstrap`], which redraws them independently,
-/// gives intervals that are too wide. Not for fewer than three runs.
-///
-/// # Errors
-/// If the arms differ in the number of runs or tasks.
-///
-/// ```
-/// use headway_stats::{Bootstrap, Scores, paired_improvement_bootstrap};
-///
-/// let x = Scores::from_rows(&[[0.9], [0.8], [0.85], [0.7]])?;
-/// let same = paired_improvement_bootstrap(&x, &x, &Bootstrap::default())?;
-/// assert_eq!((same.point, same.low, same.high), (0.5, 0.5, 0.5));
-/// # Ok::<(), headway_stats::StatsError>(())
-/// ```
-pub fn paired_improvement_bootstrap(x: &Scores, y: &Scores, how: &Bootstrap) -> Result<Interval, StatsError> {
-    let (n_runs, n_tasks) = (x.n_runs(), x.n_tasks());
-    if n_runs != y.n_runs() {
-        return Err(StatsError::Mismatch { what: "runs", first: n_runs, second: y.n_runs() });
-    }
-    let mut pair = Pair::new(x, y)?;
-    let point = probability_of_improvement(x, y)?;
-    let rows: Vec<f64> = (0..n_runs).flat_map(|run| [x.run(run), y.run(run)].concat()).collect();
-    let mut redrawn = rows.clone();
-    let (mut redrawn_x, mut redrawn_y) = (x.values().to_vec(), y.values().to_vec());
-    let how = how.redrawing(Redrawn::WholeRuns);
-    Ok(how.interval(point, |rng| {
-        how.redraw(rng, &rows, 2 * n_tasks, &mut redrawn);
-        for (run, row) in redrawn.chunks_exact(2 * n_tasks).enumerate() {
-            let (of_x, of_y) = row.split_at(n_tasks);
-            redrawn_x[run * n_tasks..][..n_tasks].copy_from_slice(of_x);
-            redrawn_y[run * n_tasks..][..n_tasks].copy_from_slice(of_y);
-        }
-        pair.set(&redrawn_x, &redrawn_y);
-        pair.probability()
-    }))
-}
-
 /// Two arms' scores task by task: the runs of a task lie side by side.
 struct Pair {
     n_tasks: usize,
@@ -155,21 +115,6 @@ mod tests {
         let error = probability_of_improvement(&one, &two).unwrap_err();
         assert_eq!(error.to_string(), "tasks of the second arm = 2: must be 1, as of the first");
         assert!(improvement_bootstrap(&two, &one, &Bootstrap::default()).is_err());
-    }
-
-    /// Worked out: of the 27 resamples of three rows, in which share of their pairs is x the greater?
-    #[test]
-    fn rows_are_redrawn_together() {
-        let x = Scores::from_rows(&[[1.0], [3.0], [5.0]]).unwrap();
-        let y = Scores::from_rows(&[[0.0], [2.0], [4.0]]).unwrap();
-        let paired = paired_improvement_bootstrap(&x, &y, &Bootstrap::default()).unwrap();
-        // All three of a row: it always wins against itself. Distinct rows: 6 of 9. None is below.
-        assert_eq!((paired.point, paired.low, paired.high), (6.0 / 9.0, 6.0 / 9.0, 1.0));
-        let apart = improvement_bootstrap(&x, &y, &Bootstrap::default()).unwrap();
-        assert!(apart.low < paired.low);
-        assert!(
-            paired_improvement_bootstrap(&x, &Scores::from_rows(&[[0.0]]).unwrap(), &Bootstrap::default()).is_err()
-        );
     }
 
     #[test]

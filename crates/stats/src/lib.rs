@@ -50,7 +50,7 @@ pub use clustered::{Clustered, clustered};
 pub use confidence::Confidence;
 pub use error::StatsError;
 pub use estimator::{Estimator, stratified_bootstrap};
-pub use improvement::{improvement_bootstrap, paired_improvement_bootstrap, probability_of_improvement};
+pub use improvement::{improvement_bootstrap, probability_of_improvement};
 pub use paired::{Unit, cluster_bootstrap, paired_differences};
 pub use profile::{Profile, performance_profile};
 pub use scores::Scores;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Group, Node, Options, Tree, fontdb};
 
-/// Most pixels of a picture: 1 GB while it is drawn.
+/// Most pixels of a picture: 1 GB while it is drawn, and as much again while it is encoded.
 const MAX_PIXELS: f64 = (1 << 28) as f64;
 
 /// Why a picture cannot be a PNG.

@@ -6,9 +6,7 @@ mod table;
 
 pub(super) use table::{difference_text, probability_text, seeds_text};
 
-use headway_stats::{
-    Bootstrap, Estimate, Interval, MIN_UNITS, Scores, over_units, paired_improvement_bootstrap, sign_flip,
-};
+use headway_stats::{Bootstrap, Estimate, Interval, MIN_UNITS, Scores, improvement_bootstrap, over_units, sign_flip};
 use serde::Serialize;
 
 use super::{Report, RunRow};
@@ -67,9 +65,9 @@ pub struct Difference {
     /// In how many of the seeds the level has more.
     #[serde(rename = "seeds_more")]
     pub n_more: usize,
-    /// How likely a run of the level is to have more than a run of the base, of the same seed or another, ties by half: the
-    /// probability of improvement (Agarwal et al., 2021, section 4.3), if more is better. Its 95 % bootstrap interval redraws the
-    /// seeds, the same ones for both. From three seeds on.
+    /// How likely a run of the level is to have more than a run of the base, of whatever seeds, ties by half: the probability of
+    /// improvement (Agarwal et al., 2021, section 4.3), if more is better. Its 95 % bootstrap interval redraws the seeds of the two
+    /// independently, so that it is too wide where they are alike seed by seed, as one policy in two worlds. From three seeds on.
     pub more: Option<Interval>,
 }
 
@@ -192,8 +190,14 @@ impl Difference {
             paired: over_units(less.iter().copied().map(Some), &how),
             p: (!less.is_empty()).then(|| sign_flip(&less)),
             n_more: less.iter().filter(|less| **less > 0.0).count(),
-            more: both.and_then(|(x, y)| paired_improvement_bootstrap(&x, &y, &how).ok()),
+            more: both.and_then(|(x, y)| improvement_bootstrap(&x, &y, &how).ok()),
         }
+    }
+
+    /// Whether it is 0 in every seed, as where both sides are the same runs, or defined in none.
+    pub fn is_none_at_all(&self) -> bool {
+        let Estimate { mean, low, high, .. } = self.paired;
+        mean.is_none_or(|mean| mean == 0.0 && low == high)
     }
 
     /// Whether it can be told from luck: `p <= 0.05`.

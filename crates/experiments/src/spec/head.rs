@@ -8,9 +8,24 @@ use toml::Table;
 use super::names::{check_folder, check_label};
 use super::suggest::{did_you_mean, list};
 use super::{Fault, KeyPath};
+use crate::episode::Metric;
 
 /// Columns that reports have beside those of the axes.
-const COLUMNS: [&str; 5] = ["world", "seeds", "episodes", "base", "metric"];
+const COLUMNS: [&str; 13] = [
+    "world",
+    "seeds",
+    "episodes",
+    "base",
+    "metric",
+    "seeds_more",
+    "difference",
+    "low",
+    "high",
+    "p",
+    "more",
+    "more_low",
+    "more_high",
+];
 
 /// The keys of a spec file that describe the grid rather than one run.
 pub(crate) const HEAD_KEYS: [&str; 5] = ["name", "base", "seeds", "axis", "when"];
@@ -138,7 +153,7 @@ impl Head {
         if let Err(problem) = check_label(&axis.name) {
             return fault("name", problem);
         }
-        if COLUMNS.contains(&axis.name.as_str()) {
+        if COLUMNS.contains(&axis.name.as_str()) || Metric::ALL.iter().any(|metric| metric.name() == axis.name) {
             return fault("name", "is the name of a column of reports; give the axis another");
         }
         if self.axis[..index].iter().any(|other| other.name == axis.name) {

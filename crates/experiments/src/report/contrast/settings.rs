@@ -43,8 +43,13 @@ fn spec(root: &Path, id: &Id) -> Result<Value, Error> {
     Ok(Value::Table(RunFolder::new(root, id).spec()?))
 }
 
-/// What has another type is another thing: that stands for all that is in it.
+/// What has another type is another thing: that stands for all that is in it; and a list for its numbers.
 fn folded(paths: Paths) -> Paths {
+    let of_list = |path: String| match path.rsplit_once('.') {
+        Some((list, number)) if number.bytes().all(|byte| byte.is_ascii_digit()) => list.to_owned(),
+        _ => path,
+    };
+    let paths: Paths = paths.into_iter().map(of_list).collect();
     let others: Vec<String> = paths.iter().filter_map(|path| Some(path.strip_suffix(".type")?.to_owned())).collect();
     let fold = |path: String| {
         let holder = others.iter().filter(|other| path.strip_prefix(*other).is_some_and(|rest| rest.starts_with('.')));
@@ -112,6 +117,7 @@ mod tests {
     fn another_type_stands_for_all_that_is_in_it() {
         let found = folded(paths(&["reward.type", "reward.terms.0.weight", "rewards", "env.goal"]));
         assert_eq!(found, paths(&["reward", "rewards", "env.goal"]));
+        assert_eq!(folded(paths(&["speeds.0", "speeds.1", "terms.1.weight"])), paths(&["speeds", "terms.1.weight"]));
     }
 
     #[test]

@@ -60,7 +60,7 @@ fn worked_by_hand() {
     // All alike: nothing but ties.
     let spl = in_a.difference(Metric::Spl);
     assert_eq!((spl.paired.mean, spl.n_more, spl.p), (Some(0.0), 0, Some(1.0)));
-    assert_eq!(spl.more, Some(Interval { point: 0.5, low: 0.5, high: 0.5 }));
+    assert_eq!(spl.more.unwrap().point, 0.5);
     assert_eq!(in_a.difference(Metric::MeanSpeed).paired.n, 0);
 }
 

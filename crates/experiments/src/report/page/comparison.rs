@@ -25,7 +25,7 @@ impl Study {
         format!(
             "<p>Each level less the first of its axis, the other axes alike: the mean difference over the \
              training seeds that both have, paired seed by seed, its 95 % bootstrap interval, and p of the sign-flip test; bold where \
-             p is at most 0.05, which one in twenty is by luck alone. What else than the axis differs stands under Cells. \
+             p is at most 0.05: of differences that are all luck, one in twenty at most. What else than the axis differs stands under Cells. \
              <i>P(more)</i>: how likely a run is to have more than one of the other\u{2019}s, with its interval, and in how many of \
              the pairs of seeds it has more.</p>{tables}"
         )
