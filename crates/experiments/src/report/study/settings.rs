@@ -33,7 +33,7 @@ pub(crate) struct Setting {
 }
 
 /// The settings of the cells, as the specs of their complete runs have them: those that one axis decides, axis by axis, then those
-/// that several do.
+/// that several do. None until every cell has a complete run.
 ///
 /// # Errors
 /// If the spec of a complete run cannot be read.
@@ -45,10 +45,10 @@ pub(super) fn settings(
 ) -> Result<Vec<Settings>, StoreError> {
     let (mut known, mut specs) = (Vec::new(), Vec::new());
     for (group, cell) in cells.iter().zip(&index.cells) {
-        if let Some(run) = runs[group.runs.clone()].iter().find(|run| run.is_complete()) {
-            known.push(&group.levels[..]);
-            specs.push(spec(root, cell, run)?);
-        }
+        // Some of the cells do not tell which axis decides.
+        let Some(run) = runs[group.runs.clone()].iter().find(|run| run.is_complete()) else { return Ok(Vec::new()) };
+        known.push(&group.levels[..]);
+        specs.push(spec(root, cell, run)?);
     }
     let axes: Vec<&str> = index.axes.iter().map(|axis| &axis.name[..]).collect();
     Ok(by_axes(&axes, &known, &specs))
