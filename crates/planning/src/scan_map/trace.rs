@@ -44,30 +44,39 @@ mod tests {
     use std::collections::BTreeSet;
 
     proptest! {
-        /// Against points close together on the line.
+        /// Against asking every cell: all that the line passes through, and none that it does not touch.
         #[test]
-        fn cells_are_those_of_the_points_between(
+        fn cells_are_those_the_line_passes_through(
             (ax, ay, bx, by) in (1.0..99.0_f64, 1.0..99.0_f64, 1.0..99.0_f64, 1.0..99.0_f64),
         ) {
             let (a, b) = (Vector2::new(ax, ay), Vector2::new(bx, by));
-            let mut walked = BTreeSet::new();
-            walk(&a, &b, 100, |index| {
-                walked.insert(index);
-            });
-            let at = |k: u32| a + (b - a) * (f64::from(k) / 20_000.0);
-            let sampled: BTreeSet<_> =
-                (0..=20_000).map(|k| at(k).y as usize * 100 + at(k).x as usize).collect();
-            // Cells that are only clipped at a corner may lie between two samples.
-            let is_near = |index: &usize| {
-                let middle = Vector2::new((index % 100) as f64 + 0.5, (index / 100) as f64 + 0.5);
-                let side = (b - a).perp(&(middle - a)).abs() / (b - a).norm();
-                let extent = ((b - a).x.abs() + (b - a).y.abs()) / (b - a).norm() / 2.0;
-                side <= extent + 1e-6
-            };
-            prop_assert!(sampled.is_subset(&walked));
-            prop_assert!(walked.iter().all(is_near), "{walked:?}");
-            prop_assert!(walked.len() <= sampled.len() + 3);
+            let mut walked = vec![false; 100 * 100];
+            walk(&a, &b, 100, |index| walked[index] = true);
+            for (index, &is_walked) in walked.iter().enumerate() {
+                let corner = Vector2::new((index % 100) as f64, (index / 100) as f64);
+                let meets = |grow: f64| line_meets_box(&a, &b, &corner.add_scalar(-grow), &corner.add_scalar(1.0 + grow));
+                prop_assert!(is_walked || !meets(-1e-6), "the cell at {corner:?} is left out");
+                prop_assert!(!is_walked || meets(1e-6), "the cell at {corner:?} is not on the line");
+            }
         }
+    }
+
+    /// Whether the line from `a` to `b` has a point in the box: the part of it between the box's sides along x and the part
+    /// between those along y overlap.
+    fn line_meets_box(a: &Vector2<f64>, b: &Vector2<f64>, low: &Vector2<f64>, high: &Vector2<f64>) -> bool {
+        let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
+        for axis in 0..2 {
+            let (from, step) = (a[axis], b[axis] - a[axis]);
+            if step == 0.0 {
+                if from < low[axis] || high[axis] < from {
+                    return false;
+                }
+                continue;
+            }
+            let (t, u) = ((low[axis] - from) / step, (high[axis] - from) / step);
+            (enter, leave) = (enter.max(t.min(u)), leave.min(t.max(u)));
+        }
+        enter <= leave
     }
 
     #[test]
