@@ -1,5 +1,6 @@
 //! What a results folder says: success, collisions, timeouts and speeds of every cell in every world, with intervals.
 
+mod axes;
 mod chart;
 mod collapsed;
 mod contrast;

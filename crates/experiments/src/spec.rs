@@ -68,6 +68,8 @@ pub use assign::Assignment;
 pub use choices::choices;
 pub use error::{Fault, Place, SpecError};
 pub use grid::{Cell, Grid};
+#[cfg(test)]
+pub(crate) use head::is_column;
 pub use head::{Axis, Seeds};
 pub(crate) use names::check_folder;
 pub use path::KeyPath;

@@ -10,7 +10,7 @@ use super::suggest::{did_you_mean, list};
 use super::{Fault, KeyPath};
 use crate::episode::Metric;
 
-/// Columns that reports have beside those of the axes.
+/// Columns that reports have beside those of the axes and of the metrics.
 const COLUMNS: [&str; 13] = [
     "world",
     "seeds",
@@ -26,6 +26,15 @@ const COLUMNS: [&str; 13] = [
     "more_low",
     "more_high",
 ];
+
+/// What stands behind a metric's name in the columns that belong to it.
+const ENDS: [&str; 5] = ["", "_low", "_high", "_wilson_low", "_wilson_high"];
+
+/// Whether reports have a column of this name, whatever the axes of the grid.
+pub(crate) fn is_column(name: &str) -> bool {
+    let of_metric = |metric: &Metric| name.strip_prefix(metric.name()).is_some_and(|end| ENDS.contains(&end));
+    COLUMNS.contains(&name) || Metric::ALL.iter().any(of_metric)
+}
 
 /// The keys of a spec file that describe the grid rather than one run.
 pub(crate) const HEAD_KEYS: [&str; 5] = ["name", "base", "seeds", "axis", "when"];
@@ -153,7 +162,7 @@ impl Head {
         if let Err(problem) = check_label(&axis.name) {
             return fault("name", problem);
         }
-        if COLUMNS.contains(&axis.name.as_str()) || Metric::ALL.iter().any(|metric| metric.name() == axis.name) {
+        if is_column(&axis.name) {
             return fault("name", "is the name of a column of reports; give the axis another");
         }
         if self.axis[..index].iter().any(|other| other.name == axis.name) {

@@ -30,7 +30,7 @@ DDQN   room_25x25  R_couple             +75.00       1.00      4/4              
                               +50.00 to +93.75  1.00–1.00  p 0.125      0.000 to 0.000  0.50–0.50  p 1.000
 Each `reward` less `R`, the other axes alike, paired over 4 seeds; below it its 95 % bootstrap interval over them.
 P(more): how likely a run is to have more than one of the other's, ties by half; seeds more: in how many of the pairs.
-p: how likely such pairs are if the two are drawn alike (sign-flip test); fewer than 6 cannot bring it below 0.05.
+p: how likely differences as large as these are if the two are drawn alike (sign-flip test; 0.05 takes 6 seeds).
 Of 4 differences that are all luck, 0.2 at most have p of 0.05 or less, on average.
 ",
     );

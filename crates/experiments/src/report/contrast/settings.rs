@@ -8,6 +8,7 @@ use toml::Value;
 use super::{Contrast, Contrasts};
 use crate::Error;
 use crate::difference::changes;
+use crate::report::axes::fewest;
 use crate::store::{Id, RunFolder};
 
 /// Settings that are named; the others are counted.
@@ -92,13 +93,8 @@ fn shared(some: &[&Contrast], all: &[&Contrast]) -> String {
         let labels = labels(axes);
         all.iter().filter(|contrast| labels.contains(&label(contrast, axes))).count() == some.len()
     };
-    let mut axes: Vec<usize> = (0..some[0].axes.len()).collect();
-    for axis in 0..some[0].axes.len() {
-        let fewer: Vec<usize> = axes.iter().copied().filter(|kept| *kept != axis).collect();
-        if will_do(&fewer) {
-            axes = fewer;
-        }
-    }
+    let n_axes = some[0].axes.len();
+    let axes = fewest(n_axes, will_do).unwrap_or_else(|| (0..n_axes).collect());
     labels(&axes).into_iter().collect::<Vec<_>>().join(" or ")
 }
 

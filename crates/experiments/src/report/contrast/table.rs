@@ -100,7 +100,7 @@ impl Contrasts {
 
 impl Contrasts {
     fn legend_of_p(&self, shown: &[Metric]) -> Vec<String> {
-        let p = "p: how likely such pairs are if the two are drawn alike (sign-flip test); fewer than 6 cannot bring it below 0.05.";
+        let p = "p: how likely differences as large as these are if the two are drawn alike (sign-flip test; 0.05 takes 6 seeds).";
         let differences = self.contrasts.iter().flat_map(|c| shown.iter().map(|metric| c.difference(*metric)));
         let n_tested = differences.filter(|of| !of.is_none_at_all()).count();
         let by_chance = n_tested as f64 / 20.0;

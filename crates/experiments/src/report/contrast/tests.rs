@@ -134,3 +134,13 @@ fn refusals_name_what_there_is() {
         "nothing to hold against `R`: no other cell has the same world and the same levels of all axes but `reward`"
     );
 }
+
+#[test]
+fn no_axis_can_have_the_name_of_a_column() {
+    let of_seeds = two_rewards(&[0.25, 0.75, 0.5], &[0.5, 0.75, 1.0]);
+    let of_policy = Report { interval: Intervals::Episodes, axes: Vec::new(), ..of_seeds.clone() };
+    let texts = [of_seeds.csv(), of_policy.csv(), of_seeds.contrasts("reward", None).unwrap().csv()];
+    let columns = texts.iter().flat_map(|text| text.lines().next().unwrap().split(','));
+    let free: Vec<_> = columns.filter(|column| !crate::spec::is_column(column)).collect();
+    assert_eq!(free, ["reward", "agent", "agent", "reward"]); // the axes
+}

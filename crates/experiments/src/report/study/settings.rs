@@ -8,6 +8,7 @@ use toml::{Table, Value};
 use super::Group;
 use crate::difference::{Given, partings};
 use crate::report::RunRow;
+use crate::report::axes::fewest;
 use crate::store::{Cell, Index, RunFolder, StoreError};
 
 /// Longest text of a table that is shown whole, in characters, unless it has a type.
@@ -74,42 +75,39 @@ fn spec(root: &Path, cell: &Cell, run: &RunRow) -> Result<Value, StoreError> {
 
 /// The settings of cells, each given by its levels and its spec.
 fn by_axes(axes: &[&str], cells: &[&[String]], specs: &[Value]) -> Vec<Settings> {
-    let mut found: BTreeMap<(u32, u64), Settings> = BTreeMap::new();
+    let mut found: BTreeMap<(usize, Vec<usize>), Settings> = BTreeMap::new();
     for parting in partings(&specs.iter().collect::<Vec<_>>()) {
         let texts: Vec<Option<String>> = parting.given.iter().map(text).collect();
         let Some(those) = deciding(axes.len(), cells, &texts) else { continue };
-        let of = |cell: &[String]| -> Vec<String> { chosen(cell, those).cloned().collect() };
         let mut levels: Vec<Vec<String>> = Vec::new();
         let mut values = Vec::new();
         for (cell, text) in cells.iter().zip(texts) {
-            let level = of(cell);
+            let level = chosen(cell, &those);
             if !levels.contains(&level) {
                 levels.push(level);
                 values.push(text);
             }
         }
-        let names = chosen(axes, those).map(|axis| (*axis).to_owned()).collect();
-        let settings = found.entry((those.count_ones(), those));
+        let names = chosen(axes, &those).into_iter().map(str::to_owned).collect();
+        let settings = found.entry((those.len(), those));
         let settings = settings.or_insert_with(|| Settings { axes: names, levels, settings: Vec::new() });
         settings.settings.push(Setting { path: parting.path, values });
     }
     found.into_values().collect()
 }
 
-/// The fewest axes whose levels decide a value, as bits; of as few, the first. None where not even all of them do.
-fn deciding(n_axes: usize, cells: &[&[String]], values: &[Option<String>]) -> Option<u64> {
-    let decides = |axes: &u64| {
+/// The fewest axes whose levels decide a value.
+fn deciding(n_axes: usize, cells: &[&[String]], values: &[Option<String>]) -> Option<Vec<usize>> {
+    fewest(n_axes, |axes| {
         let mut known = BTreeMap::new();
         let mut cells = cells.iter().zip(values);
-        cells.all(|(cell, value)| *known.entry(chosen(cell, *axes).collect::<Vec<_>>()).or_insert(value) == value)
-    };
-    // Grids of more axes have more cells than anyone can run.
-    (1..1_u64 << n_axes.min(20)).filter(decides).min_by_key(|axes| (axes.count_ones(), *axes))
+        cells.all(|(cell, value)| *known.entry(chosen(cell, axes)).or_insert(value) == value)
+    })
 }
 
-/// The items of a list whose bits are set.
-fn chosen<T>(list: &[T], bits: u64) -> impl Iterator<Item = &T> {
-    list.iter().enumerate().filter(move |(place, _)| (bits >> place) & 1 == 1).map(|(_, item)| item)
+/// The items of a list at some places.
+fn chosen<T: Clone>(list: &[T], places: &[usize]) -> Vec<T> {
+    places.iter().map(|place| list[*place].clone()).collect()
 }
 
 /// A value in words: of a table with a type the type first, of a long one without only that it is there.
