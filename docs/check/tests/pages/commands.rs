@@ -23,13 +23,15 @@ const PACKAGES: [&str; 2] = ["headway-experiments", "smooth-experiments"];
 /// The command lines of a block, as a shell would take them: comments, variables, lines that go on, several commands in one.
 ///
 /// # Panics
-/// If a line calls the program more often than commands are found in it: what is not read would not be tried.
+/// If a line calls the program more often than commands are found in it, or cannot be read: what is not read would not be tried.
 fn lines(block: &Code) -> Vec<Line> {
     let mut variables = BTreeMap::new();
     let mut lines = Vec::new();
     for (number, text) in block.text.replace("\\\n", " ").lines().enumerate() {
         let place = format!("{}, line {} of it", block.place, number + 1);
-        let commands = shlex::split(text).map(|words| commands(words, &mut variables)).unwrap_or_default();
+        let words = shlex::split(text);
+        assert!(words.is_some() || !text.contains("cargo run"), "{place}: a quote does not end: {text}");
+        let commands = words.map(|words| commands(words, &mut variables)).unwrap_or_default();
         let found: Vec<_> = commands.into_iter().filter_map(from_experiments).collect();
         assert!(found.len() >= n_calls(text), "{place}: this calls `experiments` in a way that is not read: {text}");
         lines.extend(found.into_iter().map(|words| Line { place: place.clone(), words }));
@@ -217,7 +219,13 @@ fn other_programs_are_not_ours() {
 /// These were passed over in silence.
 #[test]
 fn calls_that_cannot_be_read_are_failures() {
-    for text in ["experiments run 'x.toml", "for x in 1 2; do experiments list; done", "echo \"$(experiments list)\""] {
+    let unread = [
+        "experiments run 'x.toml",
+        "cargo run -- run 'x.toml",
+        "for x in 1 2; do experiments list; done",
+        "echo \"$(experiments list)\"",
+    ];
+    for text in unread {
         let read = std::panic::catch_unwind(|| found_in(text));
         assert!(read.is_err(), "{text}: {read:?}");
     }
