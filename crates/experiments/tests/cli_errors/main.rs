@@ -10,9 +10,10 @@ use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
-/// Runs the binary in `folder`.
+/// Runs the binary in `folder`, its messages without colours.
 fn experiments(folder: &Path, args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_experiments")).args(args).current_dir(folder).output().unwrap()
+    let mut command = Command::new(env!("CARGO_BIN_EXE_experiments"));
+    command.args(args).current_dir(folder).env_remove("CLICOLOR_FORCE").output().unwrap()
 }
 
 /// Checks that `check spec.toml ARGS` refuses this file with this message.

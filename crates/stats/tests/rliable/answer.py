@@ -5,6 +5,7 @@ and `reps`: the numbers of resamples for `aggregates`, `profiles` and `improveme
 name, a point and the ends of its 95 % interval; ends are null where none was asked for.
 """
 
+import itertools
 import json
 import multiprocessing
 import sys
@@ -46,8 +47,12 @@ def answer(place, case):
 
 
 def main():
-    with multiprocessing.Pool() as pool:
-        answers = pool.starmap(answer, enumerate(json.load(sys.stdin)), chunksize=1)
+    asked = list(enumerate(json.load(sys.stdin)))
+    try:
+        with multiprocessing.Pool() as pool:
+            answers = pool.starmap(answer, asked, chunksize=1)
+    except FileNotFoundError:  # no shared memory here
+        answers = list(itertools.starmap(answer, asked))
     json.dump(answers, sys.stdout)
 
 
