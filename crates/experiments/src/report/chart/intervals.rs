@@ -58,6 +58,8 @@ const GAP: f64 = 26.0;
 /// Half the height of the tick at a mean, and how far below it its units stand.
 const TICK: f64 = 6.0;
 const UNITS: f64 = 8.5;
+/// Least distance of an axis's labels.
+const LABEL: f64 = 44.0;
 /// Most steps between the round values of an axis, before its ends are rounded.
 const MAX_STEPS: f64 = 6.0;
 
@@ -92,24 +94,25 @@ impl IntervalChart {
         let block = TOP + height + BOTTOM;
         let mut top = 0.0;
         for columns in self.columns.chunks(layout.n_columns) {
-            self.draw_labels(&mut svg, top + TOP, &layout);
             let width = (layout.width - layout.left - 12.0) / columns.len() as f64;
             for (k, column) in columns.iter().enumerate() {
                 let x = layout.left + k as f64 * width + GAP / 2.0;
                 column.draw(&mut svg, Frame { x, y: top + TOP, width: width - GAP, height }, &layout);
             }
+            self.draw_names(&mut svg, top + TOP, &layout);
             top += block;
         }
         svg.document(layout.width, top.max(block))
     }
 
-    fn draw_labels(&self, svg: &mut Svg, top: f64, layout: &Layout) {
+    /// What the rows are about, over the lines that cross it.
+    fn draw_names(&self, svg: &mut Svg, top: f64, layout: &Layout) {
         let (x, anchor) = layout.anchor;
         for (k, row) in self.rows.iter().enumerate() {
             let foot = top + k as f64 * layout.row;
             let y = foot + layout.middle;
             svg.line([layout.left, y], [layout.width - 12.0, y], &format!(r#"stroke="{GRID}" stroke-dasharray="1 3""#));
-            svg.text([x, foot + layout.label], anchor, "", row);
+            svg.text([x, foot + layout.label], anchor, r#"stroke="white" stroke-width="4" paint-order="stroke""#, row);
         }
     }
 }
@@ -126,7 +129,7 @@ impl Column {
             let x = scale.pixel(range[0] + k as f64 * step);
             svg.line([x, frame.y], [x, frame.bottom()], &format!(r#"stroke="{GRID}""#));
         }
-        draw_ends(svg, &scale, frame.bottom() + 16.0, range, step);
+        draw_labels(svg, &scale, frame.bottom() + 16.0, range, step);
         svg.line([frame.x, frame.bottom()], [frame.right(), frame.bottom()], &format!(r#"stroke="{INK}""#));
         for (k, bar) in self.bars.iter().enumerate() {
             let y = frame.y + k as f64 * layout.row + layout.middle;
@@ -152,12 +155,20 @@ impl Column {
     }
 }
 
-/// Labels the ends of an axis, within it, and its middle if that is a round value too.
-fn draw_ends(svg: &mut Svg, scale: &Scale, y: f64, [low, high]: [f64; 2], step: f64) {
+/// Labels both ends of an axis, within it, and as many of the round values between as there is room for at equal distances.
+fn draw_labels(svg: &mut Svg, scale: &Scale, y: f64, [low, high]: [f64; 2], step: f64) {
     let decimals = (-step.log10().floor()).max(0.0) as usize;
     let n_steps = ((high - low) / step).round() as usize;
-    let middle = (n_steps % 2 == 0).then_some(((low + high) / 2.0, Anchor::Middle));
-    for (value, anchor) in [(low, Anchor::Start), (high, Anchor::End)].into_iter().chain(middle) {
+    let between = scale.pixel(low + step) - scale.pixel(low);
+    let has_room = |stride: &usize| n_steps.is_multiple_of(*stride) && *stride as f64 * between >= LABEL;
+    let stride = (1..=n_steps).find(has_room).unwrap_or(n_steps.max(1));
+    for k in (0..=n_steps).step_by(stride) {
+        let anchor = match k {
+            0 => Anchor::Start,
+            k if k == n_steps => Anchor::End,
+            _ => Anchor::Middle,
+        };
+        let value = low + k as f64 * step;
         svg.text([scale.pixel(value), y], anchor, r#"font-size="11""#, &format!("{value:.decimals$}"));
     }
 }
@@ -220,9 +231,15 @@ mod tests {
         assert_eq!(range(&[], percent), ([0.0, 100.0], 20.0));
         let svg = IntervalChart { rows: vec!["a".into(), "b".into()], columns: vec![column(&[0.1, 3.0], percent)] }
             .svg(Breadth::Wide);
-        let labels: Vec<&str> = svg.lines().filter(|line| line.contains(r#"y="108""#)).collect();
-        assert!(labels.len() == 3 && labels[0].ends_with(">0.0</text>") && labels[1].ends_with(">3.0</text>"), "{svg}");
-        assert!(labels[2].ends_with(">1.5</text>"), "the middle of six steps is round too");
+        let texts = svg.lines().filter(|line| line.contains(r#"y="108""#));
+        let labels: Vec<_> =
+            texts.map(|line| line.split_once('>').unwrap().1.strip_suffix("</text>").unwrap()).collect();
+        assert_eq!(labels, ["0.0", "0.5", "1.0", "1.5", "2.0", "2.5", "3.0"]);
+        let six = IntervalChart {
+            rows: vec!["a".into(), "b".into()],
+            columns: (0..6).map(|_| column(&[0.1, 3.0], percent)).collect(),
+        };
+        assert_eq!(six.svg(Breadth::Wide).matches(r#" y="108""#).count(), 18, "room for the ends and the middle");
     }
 
     #[test]

@@ -23,20 +23,21 @@ pub(super) fn stroke(k: usize) -> String {
     format!(r#"fill="none" stroke="{}" stroke-width="2" stroke-linejoin="round"{dashes}"#, colour(k))
 }
 
-/// Draws the mark of series number `k`: colour and shape, hollow, so that what lies beneath it shows.
+/// Draws the mark of series number `k`: colour, shape and size, hollow, so that what lies at the same place shows around it or
+/// within.
 pub(super) fn mark(svg: &mut Svg, [x, y]: [f64; 2], k: usize) {
-    let style = format!(r#"fill="none" stroke="{}" stroke-width="1.8" stroke-linejoin="round""#, colour(k));
+    let style = format!(r#"fill="none" stroke="{}" stroke-width="1.5" stroke-linejoin="round""#, colour(k));
     let moved = |corners: &[[f64; 2]]| -> Vec<[f64; 2]> { corners.iter().map(|[dx, dy]| [x + dx, y + dy]).collect() };
     // Neighbours differ in shape too, and so do series of one colour.
     match (k + k / COLOURS.len()) % N_SHAPES {
-        0 => svg.circle([x, y], 5.0, &style),
-        1 => svg.rect(Frame { x: x - 4.5, y: y - 4.5, width: 9.0, height: 9.0 }, &style),
-        2 => svg.polygon(&moved(&[[0.0, -6.5], [6.0, 4.0], [-6.0, 4.0]]), &style),
-        3 => svg.polygon(&moved(&[[0.0, -7.0], [7.0, 0.0], [0.0, 7.0], [-7.0, 0.0]]), &style),
-        4 => svg.polygon(&moved(&[[0.0, 6.5], [6.0, -4.0], [-6.0, -4.0]]), &style),
+        0 => svg.circle([x, y], 3.5, &style),
+        1 => svg.rect(Frame { x: x - 5.0, y: y - 5.0, width: 10.0, height: 10.0 }, &style),
+        2 => svg.polygon(&moved(&[[0.0, -8.5], [8.0, 5.0], [-8.0, 5.0]]), &style),
+        3 => svg.polygon(&moved(&[[0.0, -9.5], [9.5, 0.0], [0.0, 9.5], [-9.5, 0.0]]), &style),
+        4 => svg.polygon(&moved(&[[0.0, 8.5], [8.0, -5.0], [-8.0, -5.0]]), &style),
         _ => {
             let o = [0.0; 2];
-            svg.polyline(&moved(&[[-5.0, -5.0], o, [5.0, -5.0], o, [5.0, 5.0], o, [-5.0, 5.0], o]), &style);
+            svg.polyline(&moved(&[[-4.5, -4.5], o, [4.5, -4.5], o, [4.5, 4.5], o, [-4.5, 4.5], o]), &style);
         }
     }
 }

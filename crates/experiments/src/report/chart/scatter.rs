@@ -79,7 +79,7 @@ mod tests {
         let svg = chart(vec![facet]);
         assert!(svg.contains("a &amp; b") && svg.contains("&lt;P&gt;"));
         // x: 64 to 604 for 0 to 2.16, so that 1 m/s is 250 pixels; y: 50 is the middle of 30 to 280.
-        assert!(svg.contains(r#"<circle cx="314" cy="155" r="5""#), "{svg}");
+        assert!(svg.contains(r#"<circle cx="314" cy="155" r="3.5""#), "{svg}");
         assert!(svg.contains(r##"<line x1="189" y1="155" x2="564" y2="155" stroke="#0072b2""##), "{svg}");
         assert_eq!(svg.matches(r#"class="mark""#).count(), 1);
         assert_eq!(svg.matches(r#"class="key""#).count(), 2, "what is undefined has its key all the same");
@@ -93,7 +93,7 @@ mod tests {
         let (_, frame) = svg.split_once(r#"class="series""#).unwrap();
         let (frame, _) = frame.split_once(r#"class="key""#).unwrap();
         // A circle, a square and a triangle, and nothing that is filled but what takes the pointer.
-        let marks: Vec<&str> = frame.lines().filter(|line| line.contains("stroke-width=\"1.8\"")).collect();
+        let marks: Vec<&str> = frame.lines().filter(|line| line.contains("stroke-width=\"1.5\"")).collect();
         assert!(
             ["<circle", "<rect", "<polygon"].iter().zip(&marks).all(|(shape, mark)| mark.starts_with(shape)),
             "{marks:?}"
