@@ -94,6 +94,7 @@ impl IntervalChart {
         let block = TOP + height + BOTTOM;
         let mut top = 0.0;
         for columns in self.columns.chunks(layout.n_columns) {
+            self.draw_guides(&mut svg, top + TOP, &layout);
             let width = (layout.width - layout.left - 12.0) / columns.len() as f64;
             for (k, column) in columns.iter().enumerate() {
                 let x = layout.left + k as f64 * width + GAP / 2.0;
@@ -105,14 +106,19 @@ impl IntervalChart {
         svg.document(layout.width, top.max(block))
     }
 
+    fn draw_guides(&self, svg: &mut Svg, top: f64, layout: &Layout) {
+        for k in 0..self.rows.len() {
+            let y = top + k as f64 * layout.row + layout.middle;
+            svg.line([layout.left, y], [layout.width - 12.0, y], &format!(r#"stroke="{GRID}" stroke-dasharray="1 3""#));
+        }
+    }
+
     /// What the rows are about, over the lines that cross it.
     fn draw_names(&self, svg: &mut Svg, top: f64, layout: &Layout) {
         let (x, anchor) = layout.anchor;
         for (k, row) in self.rows.iter().enumerate() {
-            let foot = top + k as f64 * layout.row;
-            let y = foot + layout.middle;
-            svg.line([layout.left, y], [layout.width - 12.0, y], &format!(r#"stroke="{GRID}" stroke-dasharray="1 3""#));
-            svg.text([x, foot + layout.label], anchor, r#"stroke="white" stroke-width="4" paint-order="stroke""#, row);
+            let y = top + k as f64 * layout.row + layout.label;
+            svg.text([x, y], anchor, r#"stroke="white" stroke-width="4" paint-order="stroke""#, row);
         }
     }
 }
@@ -177,7 +183,7 @@ impl Bar {
     /// A tick at the mean, the interval as a bar that shows beneath it, and the units below both.
     fn draw(&self, svg: &mut Svg, y: f64, scale: &Scale) {
         let colour = palette::colour(0);
-        open(svg, r#"class="mark""#, &self.tip);
+        open(svg, r#"class="mark interval""#, &self.tip);
         let all = self.units.iter().copied().chain(self.interval.into_iter().flat_map(|(low, high)| [low, high]));
         let (low, high) = all.fold((self.mean, self.mean), |(low, high), value| (low.min(value), high.max(value)));
         let (left, right) = (scale.pixel(low) - 8.0, scale.pixel(high) + 8.0);
@@ -250,7 +256,7 @@ mod tests {
         assert!(wide.contains(r#"width="960" height="118""#), "{wide}");
         assert!(narrow.contains(r#"width="400" height="300""#), "two blocks of three columns: {narrow}");
         assert_eq!([&wide, &narrow].map(|svg| svg.matches("a name of many words").count()), [2, 4]);
-        assert_eq!([&wide, &narrow].map(|svg| svg.matches(r#"class="mark""#).count()), [12, 12]);
+        assert_eq!([&wide, &narrow].map(|svg| svg.matches(r#"class="mark interval""#).count()), [12, 12]);
     }
 
     #[test]

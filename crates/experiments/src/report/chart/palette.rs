@@ -30,11 +30,11 @@ pub(super) fn mark(svg: &mut Svg, [x, y]: [f64; 2], k: usize) {
     let moved = |corners: &[[f64; 2]]| -> Vec<[f64; 2]> { corners.iter().map(|[dx, dy]| [x + dx, y + dy]).collect() };
     // Neighbours differ in shape too, and so do series of one colour.
     match (k + k / COLOURS.len()) % N_SHAPES {
-        0 => svg.circle([x, y], 3.5, &style),
+        0 => svg.circle([x, y], 4.2, &style),
         1 => svg.rect(Frame { x: x - 5.0, y: y - 5.0, width: 10.0, height: 10.0 }, &style),
-        2 => svg.polygon(&moved(&[[0.0, -8.5], [8.0, 5.0], [-8.0, 5.0]]), &style),
-        3 => svg.polygon(&moved(&[[0.0, -9.5], [9.5, 0.0], [0.0, 9.5], [-9.5, 0.0]]), &style),
-        4 => svg.polygon(&moved(&[[0.0, 8.5], [8.0, -5.0], [-8.0, -5.0]]), &style),
+        2 => svg.polygon(&moved(&[[0.0, -8.0], [7.5, 4.8], [-7.5, 4.8]]), &style),
+        3 => svg.polygon(&moved(&[[0.0, -8.8], [8.8, 0.0], [0.0, 8.8], [-8.8, 0.0]]), &style),
+        4 => svg.polygon(&moved(&[[0.0, 8.0], [7.5, -4.8], [-7.5, -4.8]]), &style),
         _ => {
             let o = [0.0; 2];
             svg.polyline(&moved(&[[-4.5, -4.5], o, [4.5, -4.5], o, [4.5, 4.5], o, [-4.5, 4.5], o]), &style);

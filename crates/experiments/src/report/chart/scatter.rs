@@ -79,7 +79,7 @@ mod tests {
         let svg = chart(vec![facet]);
         assert!(svg.contains("a &amp; b") && svg.contains("&lt;P&gt;"));
         // x: 64 to 604 for 0 to 2.16, so that 1 m/s is 250 pixels; y: 50 is the middle of 30 to 280.
-        assert!(svg.contains(r#"<circle cx="314" cy="155" r="3.5""#), "{svg}");
+        assert!(svg.contains(r#"<circle cx="314" cy="155" r="4.2""#), "{svg}");
         assert!(svg.contains(r##"<line x1="189" y1="155" x2="564" y2="155" stroke="#0072b2""##), "{svg}");
         assert_eq!(svg.matches(r#"class="mark""#).count(), 1);
         assert_eq!(svg.matches(r#"class="key""#).count(), 2, "what is undefined has its key all the same");
