@@ -54,18 +54,18 @@ impl Study {
 
 /// What is bold in a matrix, or why nothing is.
 fn rule_of_bold(ranking: &Ranking) -> String {
-    let cells = 0..ranking.more.len();
-    let pairs =
-        || cells.clone().flat_map(|x| (0..x).map(move |y| (x, y))).filter(|(x, y)| ranking.more[*x][*y].is_some());
+    let n_cells = ranking.more.len();
+    let mut compared =
+        (0..n_cells).flat_map(|x| (0..x).map(move |y| (x, y))).filter(|(x, y)| ranking.more[*x][*y].is_some());
     let few = format!(
         "with fewer than {MIN_SEEDS_TOLD} training seeds even complete separation, 100 (100\u{2013}100), may be luck"
     );
-    match (pairs().any(|(x, y)| ranking.has_enough(x, y)), pairs().all(|(x, y)| ranking.has_enough(x, y))) {
-        (false, _) => format!("None is bold: {few}."),
-        (true, all) => format!(
-            "Bold where the 95 % bootstrap interval over the seeds leaves out 50 %{}.",
-            if all { String::new() } else { format!(" and both cells have {MIN_SEEDS_TOLD} seeds or more: {few}") }
+    match compared.any(|(x, y)| ranking.has_enough(x, y)) {
+        true => format!(
+            "Bold where the 95 % bootstrap interval over the seeds leaves out 50 % and both cells have {MIN_SEEDS_TOLD} seeds or \
+             more: {few}."
         ),
+        false => format!("None is bold: {few}."),
     }
 }
 
