@@ -18,6 +18,11 @@ impl Scale {
         from + (value - low) / (high - low) * (to - from)
     }
 
+    /// The pixels of its two ends.
+    pub(crate) fn ends(&self) -> [f64; 2] {
+        self.pixels
+    }
+
     /// About `n` round values on the scale, at least two, with their labels.
     pub(crate) fn ticks(&self, n: usize) -> Vec<(f64, String)> {
         let [low, high] = self.values;

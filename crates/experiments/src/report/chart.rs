@@ -7,7 +7,7 @@ mod panels;
 mod scatter;
 
 pub(super) use intervals::{Bar, Column, IntervalChart};
-pub(super) use lines::{LineChart, XRange};
+pub(super) use lines::{LineChart, Shape, XRange};
 pub(super) use panels::{Facet, Series};
 pub(super) use scatter::{ScatterChart, Spot};
 
@@ -18,6 +18,18 @@ use crate::plot::svg::{Anchor, Frame, GRID, INK, Svg};
 const MUTED: &str = "#6b7280";
 /// Attributes of titles.
 const BOLD: &str = r#"font-weight="bold""#;
+
+/// How wide what shows a chart is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Breadth {
+    /// A sheet of paper, or a window: frames stand beside each other.
+    Wide,
+    /// A phone: they stand below each other.
+    Narrow,
+}
+
+/// Width of a narrow chart, pixels: little more than a phone's, so that its words stay readable there.
+const NARROW_WIDTH: f64 = 400.0;
 
 /// Draws the frame's axes: a grid with labelled round values on the left and below.
 fn axes(svg: &mut Svg, frame: Frame, x: &Scale, y: &Scale) {
@@ -62,6 +74,22 @@ fn padded(low: f64, high: f64) -> [f64; 2] {
     }
 }
 
+/// The ends of an axis fitted to values from `low` to `high`, which all lie within the bounds: at least a hundredth of the bounds
+/// apart, so that what hardly differs does not look far apart, or a tenth of the greatest value where they have no upper end.
+fn fitted(low: f64, high: f64, bounds: [f64; 2]) -> [f64; 2] {
+    if low > high {
+        return [bounds[0], if bounds[1].is_finite() { bounds[1] } else { bounds[0] + 1.0 }];
+    }
+    let least = match bounds[1] - bounds[0] {
+        whole if whole.is_finite() => 0.01 * whole,
+        _ if high > 0.0 => 0.1 * high,
+        _ => 1.0,
+    };
+    let span = (high - low).max(least);
+    let low = (high - (span + high - low) / 2.0).clamp(bounds[0], (bounds[1] - span).max(bounds[0]));
+    [low, low + span]
+}
+
 /// The width of a text in the widest of the fonts that charts ask for, roughly, pixels.
 fn text_width(text: &str) -> f64 {
     8.0 * text.chars().count() as f64
@@ -87,6 +115,20 @@ mod tests {
     fn axes_have_an_extent() {
         assert_eq!([padded(0.0, 2.0), padded(3.0, 3.0)], [[-0.1, 2.1], [2.5, 3.5]]);
         assert_eq!(padded(f64::INFINITY, f64::NEG_INFINITY), [0.0, 1.0]);
+    }
+
+    #[test]
+    fn fitted_axes_hold_their_values_within_bounds() {
+        let percent = |low: f64, high: f64| fitted(low, high, [0.0, 100.0]);
+        assert_eq!([percent(0.0, 100.0), percent(0.25, 3.0)], [[0.0, 100.0], [0.25, 3.0]]);
+        assert_eq!(
+            [percent(100.0, 100.0), percent(0.0, 0.5), percent(50.0, 50.0)],
+            [[99.0, 100.0], [0.0, 1.0], [49.5, 50.5]]
+        );
+        let open = |low: f64, high: f64| fitted(low, high, [0.0, f64::INFINITY]);
+        assert_eq!([open(0.5, 1.5), open(2.0, 2.0), open(0.0, 0.0)], [[0.5, 1.5], [1.9, 2.1], [0.0, 1.0]]);
+        let nothing = (f64::INFINITY, f64::NEG_INFINITY);
+        assert_eq!([percent(nothing.0, nothing.1), open(nothing.0, nothing.1)], [[0.0, 100.0], [0.0, 1.0]]);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::Row;
-use super::chart::{Bar, Column, Facet, IntervalChart, LineChart, ScatterChart, Series, Spot, XRange};
+use super::chart::{Bar, Breadth, Column, Facet, IntervalChart, LineChart, ScatterChart, Series, Shape, Spot, XRange};
 use super::study::{Aggregate, Comparison, Curves, N_CLEARANCE_EPISODES, Point, Study};
 use super::table::{header_words, number};
 use crate::Error;
@@ -13,9 +13,6 @@ use crate::plot::{self, PngError, PngRenderer};
 
 /// Most cells whose lines share a frame.
 const MAX_LINES: usize = 6;
-
-/// Shares closer to none or to all than this are not worth room.
-const FLAT: f64 = 0.01;
 
 /// A frame of lines.
 type Lines = Facet<Vec<Point>>;
@@ -31,6 +28,8 @@ pub struct Figure {
     pub caption: String,
     /// The SVG, which stands alone.
     pub svg: String,
+    /// The same for windows as narrow as a phone's: what stands side by side there stands one below the other here.
+    pub narrow: String,
     /// Whether it takes the whole width of a page.
     pub is_wide: bool,
 }
@@ -122,10 +121,11 @@ impl Study {
         Figure {
             name: file_name(&format!("speed-{world}")),
             title: format!("World {world}"),
-            caption: "Right is faster; up is where more goals are reached. Marks: mean over the training seeds; thin bars: 95 % percentile \
+            caption: "Right is faster; up is where more goals are reached. Marks (hollow, so that none hides another): mean over the training seeds; thin bars: 95 % percentile \
                       bootstrap intervals of both over the seeds, from three seeds on."
                 .into(),
-            svg: chart.svg(),
+            svg: chart.svg(Breadth::Wide),
+            narrow: chart.svg(Breadth::Narrow),
             is_wide: chart.facets.len() > 1,
         }
     }
@@ -154,12 +154,13 @@ impl Study {
         let column = |metric: Metric| {
             let (title, unit) = header_words(metric);
             let bars = rows.iter().map(|row| self.bar(*row, metric)).collect();
-            let top = match metric.quantity() {
-                Quantity::Rate => Some(100.0),
-                Quantity::Score => Some(1.0),
-                Quantity::Speed | Quantity::PerMetre | Quantity::Jerk => None,
+            let most = match metric.quantity() {
+                Quantity::Rate => 100.0,
+                Quantity::Score => 1.0,
+                Quantity::Speed | Quantity::PerMetre | Quantity::Jerk => f64::INFINITY,
             };
-            Column { title, unit: if unit.is_empty() { "share".into() } else { unit }, bars, top }
+            let unit = if unit.is_empty() { "share".into() } else { unit };
+            Column { title, unit, bars, bounds: [0.0, most] }
         };
         let chart = IntervalChart {
             rows: rows.iter().map(|row| self.label(self.places[*row].cell)).collect(),
@@ -169,10 +170,12 @@ impl Study {
             name: file_name(&format!("intervals-{world}")),
             title: format!("World {world}"),
             caption:
-                "Large dots: mean over the training seeds; bars: its 95 % percentile bootstrap interval over the seeds \
-                      (from three seeds on); small dots: the seeds."
+                "Ticks: mean over the training seeds; bars: its 95 % percentile bootstrap interval over the seeds, from three seeds on \
+                      (where it is no wider than the tick, only that shows); dots below: the seeds. Each axis is fitted to what it \
+                      shows, from the value at its left end to that at its right, and need not start at 0."
                     .into(),
-            svg: chart.svg(),
+            svg: chart.svg(Breadth::Wide),
+            narrow: chart.svg(Breadth::Narrow),
             is_wide: true,
         }
     }
@@ -210,16 +213,17 @@ impl Study {
                 name: format!("profile-{}", comparison.metric.name()),
                 title: format!("Performance profile: {name}"),
                 caption: format!(
-                    "The share of runs (a seed in a world) whose {name} is above the value below. Higher is better \
-                     everywhere; bands are pointwise 95 % bootstrap intervals, from three seeds on. Each frame shows the scores \
-                     at which its shares change."
+                    "The share of runs (a seed in a world) whose {name} is above the value below: it falls at the scores that \
+                     occur. Higher is better everywhere; bands are pointwise 95 % bootstrap intervals, from three seeds on. Each \
+                     frame's axis is fitted to its scores."
                 ),
                 ..of_lines(&LineChart {
                     x_label: format!("{name}, \u{3c4}"),
-                    x_range: XRange::OfFrame,
+                    x_range: XRange::OfFrame([0.0, 1.0]),
                     y_label: "share of runs above \u{3c4}".into(),
                     y_range: Some([0.0, 1.0]),
-                    facets: self.facets(|cell| comparison.profiles[cell].clone()).into_iter().map(zoomed).collect(),
+                    shape: Shape::Steps { before: 1.0 },
+                    facets: self.facets(|cell| comparison.profiles[cell].clone()),
                 })
             }
         };
@@ -240,7 +244,7 @@ impl Study {
                 title,
                 unit: "share".into(),
                 bars: comparison.iqm.iter().enumerate().map(bar).collect(),
-                top: Some(1.0),
+                bounds: [0.0, 1.0],
             }
         };
         let chart = IntervalChart {
@@ -250,10 +254,11 @@ impl Study {
         Figure {
             name: "iqm".into(),
             title: "Interquartile means over seeds and worlds".into(),
-            caption: "The mean of the middle half of all runs (a seed in a world), with its 95 % stratified bootstrap \
-                      interval, from three seeds on."
+            caption: "Ticks: the mean of the middle half of all runs (a seed in a world); bars: its 95 % stratified bootstrap \
+                      interval, from three seeds on. Each axis is fitted to what it shows."
                 .into(),
-            svg: chart.svg(),
+            svg: chart.svg(Breadth::Wide),
+            narrow: chart.svg(Breadth::Narrow),
             is_wide: true,
         }
     }
@@ -271,6 +276,7 @@ impl Study {
                 x_range: XRange::FromZero,
                 y_label: curves.quantity.label().into(),
                 y_range: curves.quantity.range(),
+                shape: Shape::Straight,
                 facets: self.facets(|cell| curves.by_cell[cell].clone()),
             })
         }
@@ -290,6 +296,7 @@ impl Study {
                 x_range: XRange::FromZero,
                 y_label: "mean speed (m/s)".into(),
                 y_range: None,
+                shape: Shape::Straight,
                 facets,
             })
         };
@@ -344,24 +351,6 @@ impl Study {
     }
 }
 
-/// The part of a frame of profiles where they change: not the scores that nearly all runs of all cells are above, nor those that
-/// hardly any is.
-fn zoomed(mut facet: Lines) -> Lines {
-    let among = |is_flat: fn(f64) -> bool| {
-        let others = facet.points().filter(move |point| !is_flat(point.y)).map(|point| point.x);
-        others.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
-    };
-    // The first score of which some share is not yet nearly one, and the last of which some is more than nearly none.
-    let (low, high) = (among(|share| share >= 1.0 - FLAT).0, among(|share| share <= FLAT).1);
-    let xs = || facet.points().map(|point| point.x);
-    let low = xs().filter(|x| *x < low).fold(0.0, f64::max);
-    let high = xs().filter(|x| *x > high).fold(1.0, f64::min);
-    if low < high {
-        facet.series.iter_mut().for_each(|line| line.data.retain(|point| low <= point.x && point.x <= high));
-    }
-    facet
-}
-
 /// Refuses a scale at which one of the figures would be too large; a note on the signs that none of them can show.
 fn check_png(renderer: &PngRenderer, figures: &[(String, String)], scale: f64) -> Result<Vec<String>, Error> {
     let (mut unpainted, mut too_large) = (BTreeSet::new(), Vec::new());
@@ -413,7 +402,14 @@ fn free_path(folder: &Path, name: &str, ending: &str, taken: &[PathBuf]) -> Path
 /// The picture of a figure of lines, without words.
 fn of_lines(chart: &LineChart) -> Figure {
     let none = String::new;
-    Figure { name: none(), title: none(), caption: none(), svg: chart.svg(), is_wide: chart.facets.len() > 1 }
+    Figure {
+        name: none(),
+        title: none(),
+        caption: none(),
+        svg: chart.svg(Breadth::Wide),
+        narrow: chart.svg(Breadth::Narrow),
+        is_wide: chart.facets.len() > 1,
+    }
 }
 
 /// A name of a file: letters, digits, dots and dashes.
@@ -424,25 +420,6 @@ fn file_name(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn profiles_are_shown_where_they_change() {
-        let line = |ys: &[f64]| {
-            let point = |(k, y): (usize, &f64)| Point { x: k as f64 / 5.0, y: *y, band: None, n: 3 };
-            Series { key: String::new(), data: ys.iter().enumerate().map(point).collect() }
-        };
-        let kept = |lines: &[&[f64]]| {
-            let facet = zoomed(Facet { title: String::new(), series: lines.iter().map(|ys| line(ys)).collect() });
-            facet.series[0].data.iter().map(|point| (5.0 * point.x).round() as usize).collect::<Vec<_>>()
-        };
-        let early = &[1.0, 1.0, 0.5, 0.0, 0.0, 0.0][..];
-        assert_eq!(kept(&[early]), [1, 2, 3]);
-        assert_eq!(kept(&[early, &[1.0, 1.0, 1.0, 1.0, 0.3, 0.0]]), [1, 2, 3, 4, 5]);
-        assert_eq!(kept(&[&[1.0, 0.995, 0.0, 0.0, 0.0, 0.0]]), [1, 2], "a step");
-        for flat in [0.0, 0.5, 1.0] {
-            assert_eq!(kept(&[&[flat; 6]]), [0, 1, 2, 3, 4, 5], "nothing changes");
-        }
-    }
 
     #[test]
     fn files_stay_in_their_folder() {

@@ -128,15 +128,16 @@ impl Study {
         shown.drives.iter().enumerate().map(option).collect()
     }
 
-    /// What a drive is called in lists: with the share of its outcome, so that nobody takes the rare for the usual.
+    /// What a drive is called in lists: with the share of the cell's episodes that end as it does, so that nobody takes the
+    /// rare for the usual.
     fn said(&self, drive: &Drive) -> String {
         let Drive { seed, scenario, why, duration, outcome, .. } = drive;
         let share = self.report.rows[drive.row].estimate(Metric::share_of(*outcome)).mean;
-        let share = share.map(|share| format!("{} % of episodes", number(share, Quantity::Rate)));
+        let share = share.map(|share| format!("{} % of episodes end so", number(share, Quantity::Rate)));
         // The others' names say how they end.
         let name = (*why == ASKED).then(|| outcome.name().to_owned());
         let known: Vec<String> = name.into_iter().chain(share).collect();
-        format!("{why} ({}), seed {seed}, scenario {scenario}, {duration:.1} s", known.join(", "))
+        format!("{why} ({}), seed {seed}, scenario {scenario}, {duration:.1} s", known.join("; "))
     }
 
     fn sections(&self, figures: &Figures) -> String {
@@ -166,12 +167,13 @@ fn section(id: &str, title: &str, figures: &[Figure], rest: &str) -> String {
     format!("<section id=\"{id}\"><h2>{title}</h2><div class=\"figures\">{html}</div>{rest}</section>\n")
 }
 
-fn figure(Figure { name, title, caption: _, svg, is_wide }: &Figure, caption: &str) -> String {
+fn figure(Figure { name, title, caption: _, svg, narrow, is_wide }: &Figure, caption: &str) -> String {
     let (name, title, caption) = (escaped(name), escaped(title), escaped(caption));
     let class = if *is_wide { "wide" } else { "narrow" };
     format!(
         "<figure class=\"{class}\" data-name=\"{name}\"><div class=\"head\"><h3>{title}</h3></div>\
-         <div class=\"scroll chart\" role=\"img\" aria-label=\"{title}\" tabindex=\"0\">{svg}</div>\
+         <div class=\"chart\" role=\"img\" aria-label=\"{title}\"><div class=\"at-wide\">{svg}</div>\
+         <div class=\"at-narrow\">{narrow}</div></div>\
          <figcaption>{caption}</figcaption></figure>\n"
     )
 }

@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 pub(super) use bands::Point;
 pub use choice::{Choice, Pick};
 pub(super) use clearance::N_EPISODES as N_CLEARANCE_EPISODES;
-pub(super) use comparison::{Aggregate, Comparison, Ranking};
+pub(super) use comparison::{Aggregate, Comparison, MIN_SEEDS_TOLD, Ranking};
 pub(super) use curves::Quantity;
 pub(super) use drives::{ASKED, Driven};
 pub use drives::{Drive, Trajectories};

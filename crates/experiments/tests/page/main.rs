@@ -144,6 +144,15 @@ fn it_says_which_seeds_collapsed_and_what_cells_are() {
 }
 
 #[test]
+fn three_seeds_make_nothing_bold() {
+    let page = Bench::get().page("bold.html", &[]);
+    let (_, matrices) = page.split_once("Probability of more").unwrap();
+    assert_eq!(matrices.matches("None is bold: with fewer than 6 training seeds").count(), 3, "of each metric");
+    let tables: Vec<&str> = matrices.split("<table class=\"matrix\">").skip(1).collect();
+    assert!(tables.len() == 3 && tables.iter().all(|table| !table.split_once("</table>").unwrap().0.contains("<b>")));
+}
+
+#[test]
 fn it_needs_nothing_beside_it() {
     let page = Bench::get().page("alone.html", &[]);
     let rest = page.replace("http://www.w3.org/2000/svg", "");
@@ -176,6 +185,11 @@ fn drives_are_chosen_by_rule_or_by_name() {
     let count = |page: &str| data(page)["drives"].as_array().unwrap().len();
     let one = bench.page("one.html", &[]);
     let two = bench.page("two.html", &["--drives", "2"]);
+    for drive in data(&one)["drives"].as_array().unwrap() {
+        let (why, outcome) = (drive["why"].as_str().unwrap(), drive["outcome"].as_str().unwrap());
+        assert_eq!(why, format!("typical {outcome}"));
+        assert!(one.contains(&format!("{why} (")) && one.contains(" % of episodes end so), seed "));
+    }
     assert!((6..=18).contains(&count(&one)) && count(&two) > count(&one), "{} and {}", count(&one), count(&two));
     let pick = r#"*/crowd & "co"/1/7"#;
     let asked = bench.page("asked.html", &["--drive", pick]);

@@ -47,6 +47,39 @@ function sortsResults() {
   check("numbers are no texts", compare(keyOf(many), keyOf(few), "ascending") > 0);
   check("what is undefined comes last", [1, "a"].every((key) => ["ascending", "descending"].every((way) => compare(null, key, way) > 0)));
 }
+const isShown = (e) => e.checkVisibility() && e.getBoundingClientRect().width > 0;
+// Every figure shows one of its two pictures, at a size at which words of 12 pixels can be read.
+function showsReadableCharts() {
+  const isNarrow = document.documentElement.clientWidth <= 760;
+  for (const figure of document.querySelectorAll("figure")) {
+    const [wide, narrow] = ["wide", "narrow"].map((name) => figure.querySelector(`.at-${name} > svg`));
+    check(`${figure.dataset.name} has the picture for the window`, isShown(narrow) === isNarrow && isShown(wide) !== isNarrow);
+    const svg = isNarrow ? narrow : wide;
+    const { left, right, width } = svg.getBoundingClientRect();
+    check(`${figure.dataset.name} is in the window`, left >= 0 && right <= document.documentElement.clientWidth);
+    check(`${figure.dataset.name} can be read`, (12 * width) / svg.viewBox.baseVal.width >= 9);
+  }
+}
+// Every level's value is in the window of a phone, and named.
+function showsEveryLevel() {
+  if (document.documentElement.clientWidth > 760) return;
+  const cells = [...document.querySelectorAll("details[open] .settings td")];
+  const isWithin = (e) => e.getBoundingClientRect().right <= document.documentElement.clientWidth;
+  const isNamed = (e) => getComputedStyle(e, "::before").content.includes(e.dataset.level.slice(0, 3));
+  check("settings are in the window", cells.length > 0 && cells.every((e) => isShown(e) && isWithin(e) && isNamed(e)));
+}
+// A pointer is told of all marks beneath it, covered ones too.
+function tellsOfCoveredMarks() {
+  const mark = [...document.querySelectorAll("#speed .mark")].find(isShown);
+  const twin = mark.parentElement.insertAdjacentElement("afterend", mark.parentElement.cloneNode(true));
+  mark.scrollIntoView({ block: "center" });
+  const { x, y, width, height } = mark.lastElementChild.getBoundingClientRect();
+  const [clientX, clientY] = [x + width / 2, y + height / 2];
+  mark.dispatchEvent(new PointerEvent("pointermove", { clientX, clientY, bubbles: true }));
+  const tip = element("tip");
+  check("a mark is told of beneath another", !tip.hidden && tip.textContent.includes(mark.getAttribute("aria-label")));
+  twin.remove();
+}
 async function use() {
   check("the page gets ready", document.documentElement.dataset.ready === "yes");
   check("it shows a drive", probe.drives > 0 && document.querySelector("#drive-figure svg"));
@@ -94,6 +127,9 @@ async function use() {
     const line = key.closest("svg").querySelector(`.series[data-key="${key.dataset.key}"]`);
     check("a key hides its line", getComputedStyle(line).display === "none");
   }
+  showsReadableCharts();
+  showsEveryLevel();
+  tellsOfCoveredMarks();
   const wide = [...document.querySelectorAll("body *")].filter((e) => !e.closest(".scroll, nav, .skip"));
   const beyond = wide.find((e) => e.getBoundingClientRect().right > document.documentElement.clientWidth + 1);
   check(`nothing is wider than the window: ${beyond?.outerHTML.slice(0, 80)}`, !beyond);

@@ -8,6 +8,9 @@ const COLOURS: [&str; 6] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00
 /// Dashes for lines beyond the colours.
 const DASHES: [&str; 4] = ["", "7 3", "2 3", "9 3 2 3"];
 
+/// Shapes of marks.
+const N_SHAPES: usize = 6;
+
 /// The colour of line number `k`.
 pub(super) fn colour(k: usize) -> &'static str {
     COLOURS[k % COLOURS.len()]
@@ -20,14 +23,22 @@ pub(super) fn stroke(k: usize) -> String {
     format!(r#"fill="none" stroke="{}" stroke-width="2" stroke-linejoin="round"{dashes}"#, colour(k))
 }
 
-/// Draws the mark of series number `k`: colour and shape.
+/// Draws the mark of series number `k`: colour, shape and size, hollow, so that what lies at the same place shows around it or
+/// within.
 pub(super) fn mark(svg: &mut Svg, [x, y]: [f64; 2], k: usize) {
-    let style = format!(r#"fill="{}" fill-opacity="0.8" stroke="white" stroke-width="1.2""#, colour(k));
-    match k / COLOURS.len() % DASHES.len() {
-        0 => svg.circle([x, y], 5.0, &style),
-        1 => svg.rect(Frame { x: x - 4.5, y: y - 4.5, width: 9.0, height: 9.0 }, &style),
-        2 => svg.polygon(&[[x, y - 6.0], [x + 5.5, y + 4.5], [x - 5.5, y + 4.5]], &style),
-        _ => svg.polygon(&[[x, y - 6.5], [x + 6.5, y], [x, y + 6.5], [x - 6.5, y]], &style),
+    let style = format!(r#"fill="none" stroke="{}" stroke-width="1.5" stroke-linejoin="round""#, colour(k));
+    let moved = |corners: &[[f64; 2]]| -> Vec<[f64; 2]> { corners.iter().map(|[dx, dy]| [x + dx, y + dy]).collect() };
+    // Neighbours differ in shape too, and so do series of one colour.
+    match (k + k / COLOURS.len()) % N_SHAPES {
+        0 => svg.circle([x, y], 4.2, &style),
+        1 => svg.rect(Frame { x: x - 5.0, y: y - 5.0, width: 10.0, height: 10.0 }, &style),
+        2 => svg.polygon(&moved(&[[0.0, -8.0], [7.5, 4.8], [-7.5, 4.8]]), &style),
+        3 => svg.polygon(&moved(&[[0.0, -8.8], [8.8, 0.0], [0.0, 8.8], [-8.8, 0.0]]), &style),
+        4 => svg.polygon(&moved(&[[0.0, 8.0], [7.5, -4.8], [-7.5, -4.8]]), &style),
+        _ => {
+            let o = [0.0; 2];
+            svg.polyline(&moved(&[[-4.5, -4.5], o, [4.5, -4.5], o, [4.5, 4.5], o, [-4.5, 4.5], o]), &style);
+        }
     }
 }
 
@@ -47,5 +58,6 @@ mod tests {
             })
             .collect();
         assert_eq!(marks.len(), 24);
+        assert!(marks.iter().all(|mark| mark.matches(r#"fill="none""#).count() == 1), "hollow");
     }
 }

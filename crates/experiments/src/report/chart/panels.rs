@@ -1,6 +1,6 @@
 //! Frames beside each other, whose series share their keys, and the legend below.
 
-use super::{BOLD, axes, close, open, text_width};
+use super::{BOLD, Breadth, NARROW_WIDTH, axes, close, open, text_width};
 use crate::plot::scale::Scale;
 use crate::plot::svg::{Anchor, Frame, INK, Svg};
 
@@ -42,10 +42,18 @@ const MAX_COLUMNS: usize = 3;
 const KEY_HEIGHT: f64 = 20.0;
 
 /// The frames with the labels of their axes, as SVG.
-pub(super) fn svg<T>(facets: &[Facet<T>], [x_label, y_label]: [&str; 2], look: &impl Look<T>) -> String {
+pub(super) fn svg<T>(
+    facets: &[Facet<T>],
+    [x_label, y_label]: [&str; 2],
+    look: &impl Look<T>,
+    breadth: Breadth,
+) -> String {
     let mut svg = Svg::default();
-    let n_columns = n_columns(facets.len());
-    let width = if facets.len() == 1 { LONE_WIDTH } else { WIDTH };
+    let (n_columns, width) = match (breadth, facets.len()) {
+        (Breadth::Narrow, _) => (1, NARROW_WIDTH),
+        (Breadth::Wide, 1) => (1, LONE_WIDTH),
+        (Breadth::Wide, n) => (n_columns(n), WIDTH),
+    };
     let column = (width - 16.0) / n_columns as f64;
     let row = TOP + FRAME_HEIGHT + BOTTOM;
     let keys = keys(facets);

@@ -1,7 +1,7 @@
 //! One value against another: a mark per cell, with the intervals of both.
 
 use super::panels::{self, Facet, Look, Series};
-use super::{close, open, palette};
+use super::{Breadth, close, open, palette};
 use crate::plot::scale::Scale;
 use crate::plot::svg::Svg;
 
@@ -29,8 +29,8 @@ pub(crate) struct Spot {
 
 impl ScatterChart {
     /// The chart as SVG.
-    pub(crate) fn svg(&self) -> String {
-        panels::svg(&self.facets, [&self.x_label, &self.y_label], self)
+    pub(crate) fn svg(&self, breadth: Breadth) -> String {
+        panels::svg(&self.facets, [&self.x_label, &self.y_label], self, breadth)
     }
 }
 
@@ -47,7 +47,7 @@ impl Look<Option<Spot>> for ScatterChart {
         let place = [x.pixel(at[0]), y.pixel(at[1])];
         let style = format!(r#"stroke="{}" stroke-width="1.4" stroke-opacity="0.75""#, palette::colour(k));
         open(svg, r#"class="mark""#, tip);
-        svg.circle(place, 11.0, r#"fill="transparent" stroke="none""#);
+        svg.circle(place, 9.0, r#"fill="transparent" stroke="none""#);
         if let Some((low, high)) = bands[0] {
             svg.line([x.pixel(low), place[1]], [x.pixel(high), place[1]], &style);
         }
@@ -68,7 +68,7 @@ mod tests {
     use super::*;
 
     fn chart(facets: Vec<Facet<Option<Spot>>>) -> String {
-        ScatterChart { x_label: "speed".into(), y_label: "success".into(), y_top: 100.0, facets }.svg()
+        ScatterChart { x_label: "speed".into(), y_label: "success".into(), y_top: 100.0, facets }.svg(Breadth::Wide)
     }
 
     #[test]
@@ -79,10 +79,27 @@ mod tests {
         let svg = chart(vec![facet]);
         assert!(svg.contains("a &amp; b") && svg.contains("&lt;P&gt;"));
         // x: 64 to 604 for 0 to 2.16, so that 1 m/s is 250 pixels; y: 50 is the middle of 30 to 280.
-        assert!(svg.contains(r#"<circle cx="314" cy="155" r="5""#), "{svg}");
+        assert!(svg.contains(r#"<circle cx="314" cy="155" r="4.2""#), "{svg}");
         assert!(svg.contains(r##"<line x1="189" y1="155" x2="564" y2="155" stroke="#0072b2""##), "{svg}");
         assert_eq!(svg.matches(r#"class="mark""#).count(), 1);
         assert_eq!(svg.matches(r#"class="key""#).count(), 2, "what is undefined has its key all the same");
+    }
+
+    #[test]
+    fn what_lies_at_one_place_is_seen_all_the_same() {
+        let spot = || Some(Spot { at: [1.0, 50.0], bands: [None, None], tip: String::new() });
+        let series = |key: &str| Series { key: key.into(), data: spot() };
+        let svg = chart(vec![Facet { title: String::new(), series: vec![series("a"), series("b"), series("c")] }]);
+        let (_, frame) = svg.split_once(r#"class="series""#).unwrap();
+        let (frame, _) = frame.split_once(r#"class="key""#).unwrap();
+        // A circle, a square and a triangle, and nothing that is filled but what takes the pointer.
+        let marks: Vec<&str> = frame.lines().filter(|line| line.contains("stroke-width=\"1.5\"")).collect();
+        assert!(
+            ["<circle", "<rect", "<polygon"].iter().zip(&marks).all(|(shape, mark)| mark.starts_with(shape)),
+            "{marks:?}"
+        );
+        let filled = frame.lines().filter(|line| line.contains("fill=") && !line.contains("fill=\"none\""));
+        assert!(filled.clone().count() == 3 && filled.clone().all(|line| line.contains("transparent")), "{frame}");
     }
 
     #[test]

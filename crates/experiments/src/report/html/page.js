@@ -34,6 +34,8 @@ function followLinks(showDrive) {
   window.addEventListener("hashchange", follow);
   follow();
 }
+// Most marks of which one tip tells.
+const MAX_TIPS = 6;
 // Tips of marks at once, and under a finger too.
 function showTips() {
   const tip = document.getElementById("tip");
@@ -43,11 +45,15 @@ function showTips() {
     title.parentElement.setAttribute("aria-label", title.textContent);
     title.remove(); // or browsers would show it a second time
   });
+  // Of all marks at a place: those that others cover too.
+  const textsAt = (x, y) => {
+    const marks = document.elementsFromPoint(x, y).map((element) => element.closest(".mark"));
+    return [...new Set(marks)].map((mark) => texts.get(mark)).filter(Boolean).slice(0, MAX_TIPS).join("\n");
+  };
   const follow = (event) => {
-    const mark = event.target.closest?.(".mark");
-    tip.hidden = !mark;
-    if (!mark) return;
-    tip.textContent = texts.get(mark);
+    tip.hidden = !event.target.closest?.(".mark");
+    if (tip.hidden) return;
+    tip.textContent = textsAt(event.clientX, event.clientY);
     const x = Math.min(event.clientX + 14, document.documentElement.clientWidth - tip.offsetWidth - 6);
     const y = event.clientY + 18 + tip.offsetHeight > window.innerHeight ? event.clientY - tip.offsetHeight - 10 : event.clientY + 18;
     [tip.style.left, tip.style.top] = [`${Math.max(6, x)}px`, `${y}px`];
@@ -104,7 +110,7 @@ function addSaveButtons() {
       const button = document.createElement("button");
       [button.type, button.textContent] = ["button", kind];
       button.setAttribute("aria-label", `Save this figure as ${kind}`);
-      button.addEventListener("click", () => action(figure.querySelector(".chart > svg")));
+      button.addEventListener("click", () => action(figure.querySelector(".at-wide > svg")));
       return button;
     };
     const saves = document.createElement("span");
@@ -128,7 +134,8 @@ function start() {
     const [figure, drive] = [document.getElementById("drive-figure"), player.drive];
     const otherwise = drive.is_as_recorded ? "" : " (went otherwise than recorded)";
     figure.querySelector("h3").textContent = `${data.labels[drive.row]}: ${drive.why}${otherwise}`;
-    figure.querySelector(".chart").innerHTML = figureOf(drive, data.viridis);
+    figure.querySelector(".at-wide").innerHTML = figureOf(drive, data.viridis, false);
+    figure.querySelector(".at-narrow").innerHTML = figureOf(drive, data.viridis, true);
     return true;
   };
   const step = (by) => show((Number(select.value) + by + data.drives.length) % data.drives.length);

@@ -171,23 +171,26 @@ function drawBar(surface, frame, top, { colours, stops }) {
     surface.text([frame.x + frame.width + 6, y + 4], label, { fill: colours.ink });
   }
 }
-// The whole drive as one figure: the room, the colours, the speed over time.
-function figureOf(drive, stops) {
-  const room = Math.min(380 / drive.scene.view[3], 460 / drive.scene.view[2]);
+// The whole drive as one figure: the room, the colours, the speed over time, which stands beside the room or, for narrow
+// windows, below it.
+function figureOf(drive, stops, isNarrow) {
+  const most = isNarrow ? { width: 250, height: 400 } : { width: 460, height: 380 };
+  const room = Math.min(most.height / drive.scene.view[3], most.width / drive.scene.view[2]);
   const [width, height] = [room * drive.scene.view[2], room * drive.scene.view[3]];
-  const surface = new SvgSurface(54 + width + 84 + 66 + 390 + 16, 34 + height + 52);
+  const strip = isNarrow
+    ? { x: 54, y: 34 + height + 92, width: 330, height: 180 }
+    : { x: 54 + width + 84 + 66, y: 34, width: 390, height: Math.max(height, 140) };
+  const surface = new SvgSurface(strip.x + strip.width + 16, strip.y + strip.height + 52);
   const style = { colours: PAPER, stops, rays: false, isOver: true };
   const [end, frame] = [drive.trace.t[drive.trace.n - 1], { x: 54, y: 34, width, height }];
   drawRoom(surface, viewOf(drive.scene.view, frame), drive, end, style);
   drawMetres(surface, frame, drive.scene.view);
   drawBar(surface, { x: 54 + width + 16, y: 34, width: 12, height }, drive.top, style);
   surface.text([54 + width + 68, 34 + height / 2], "speed (m/s)", { anchor: "middle", fill: PAPER.ink, upwards: true });
-  const strip = { x: 54 + width + 84 + 66, y: 34, width: 390, height: Math.max(height, 140) };
   drawStrip(surface, strip, drive, end, style);
   const bold = { anchor: "middle", fill: PAPER.ink, size: 13, bold: true };
   surface.text([54 + width / 2, 20], `seed ${drive.seed}, scenario ${drive.scenario}`, bold);
-  surface.text([strip.x + strip.width / 2, 20], summaryOf(drive), bold);
-  surface.height = Math.max(surface.height, strip.y + strip.height + 52);
+  surface.text([strip.x + strip.width / 2, strip.y - 14], summaryOf(drive), bold);
   return surface.document();
 }
 function drawMetres(surface, frame, [x, y, width, height]) {

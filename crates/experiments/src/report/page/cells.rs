@@ -19,16 +19,16 @@ impl Study {
         let tables: String = self.settings.iter().map(|settings| table(settings, open)).collect();
         format!(
             "<section id=\"cells\"><h2>Cells</h2><p>What the levels of each axis set, by the paths of the spec; faint where it is \
-             as in the first column. All else is the same in all cells.</p>{tables}</section>\n"
+             as with the first. All else is the same in all cells.</p>{tables}</section>\n"
         )
     }
 }
 
 fn table(Settings { axes, levels, settings }: &Settings, open: &str) -> String {
     let axes: Vec<String> = axes.iter().map(|axis| escaped(axis)).collect();
-    let head: String =
-        levels.iter().map(|level| format!("<th scope=\"col\">{}</th>", escaped(&level.join(" \u{b7} ")))).collect();
-    let rows: String = settings.iter().map(row).collect();
+    let levels: Vec<String> = levels.iter().map(|level| escaped(&level.join(" \u{b7} "))).collect();
+    let head: String = levels.iter().map(|level| format!("<th scope=\"col\">{level}</th>")).collect();
+    let rows: String = settings.iter().map(|setting| row(setting, &levels)).collect();
     format!(
         "<details{open}><summary>{}: {} setting{}</summary><div class=\"scroll\" tabindex=\"0\"><table class=\"settings\"><thead><tr>\
          <th scope=\"col\">path</th>{head}</tr></thead><tbody>{rows}</tbody></table></div></details>\n",
@@ -38,13 +38,14 @@ fn table(Settings { axes, levels, settings }: &Settings, open: &str) -> String {
     )
 }
 
-fn row(Setting { path, values }: &Setting) -> String {
-    let cell = |(k, value): (usize, &Option<String>)| {
+/// A setting; each cell names its level, for windows too narrow for a column each.
+fn row(Setting { path, values }: &Setting, levels: &[String]) -> String {
+    let cell = |(k, (value, level)): (usize, (&Option<String>, &String))| {
         let faint = if k > 0 && *value == values[0] { "as-first" } else { "" };
         let long = if value.as_ref().is_some_and(|value| value.chars().count() > LONG) { " long" } else { "" };
         let text = value.as_ref().map_or_else(|| "\u{2013}".to_owned(), |value| escaped(value));
-        format!("<td class=\"{faint}{long}\"><code>{text}</code></td>")
+        format!("<td class=\"{faint}{long}\" data-level=\"{level}\"><code>{text}</code></td>")
     };
-    let cells: String = values.iter().enumerate().map(cell).collect();
+    let cells: String = values.iter().zip(levels).enumerate().map(cell).collect();
     format!("<tr><th scope=\"row\"><code>{}</code></th>{cells}</tr>\n", escaped(path))
 }

@@ -5,7 +5,7 @@ use headway_stats::Interval;
 use super::text::escaped;
 use crate::episode::Metric;
 use crate::report::contrast::{Contrast, Contrasts, Difference, difference_text, probability_text, seeds_text};
-use crate::report::study::{Ranking, Study};
+use crate::report::study::{MIN_SEEDS_TOLD, Ranking, Study};
 use crate::report::table::header_words;
 
 /// The metrics of contrasts.
@@ -45,10 +45,27 @@ impl Study {
         let matrices: String = self.frames(MAX_CELLS).into_iter().map(matrix).collect();
         format!(
             "<h3>Probability of more: {}</h3><p>How likely a run of the row's cell is to have more than a run of the \
-             column's, in %, averaged over the worlds; ties count by half. Bold where the 95 % bootstrap interval over the seeds \
-             leaves out 50 %.</p><div class=\"matrices\">{matrices}</div>\n",
-            header_words(ranking.metric).0
+             column's, in %, averaged over the worlds; ties count by half. {}</p><div class=\"matrices\">{matrices}</div>\n",
+            header_words(ranking.metric).0,
+            rule_of_bold(ranking),
         )
+    }
+}
+
+/// What is bold in a matrix, or why nothing is.
+fn rule_of_bold(ranking: &Ranking) -> String {
+    let n_cells = ranking.more.len();
+    let mut compared =
+        (0..n_cells).flat_map(|x| (0..x).map(move |y| (x, y))).filter(|(x, y)| ranking.more[*x][*y].is_some());
+    let few = format!(
+        "with fewer than {MIN_SEEDS_TOLD} training seeds even complete separation, 100 (100\u{2013}100), may be luck"
+    );
+    match compared.any(|(x, y)| ranking.has_enough(x, y)) {
+        true => format!(
+            "Bold where the 95 % bootstrap interval over the seeds leaves out 50 % and both cells have {MIN_SEEDS_TOLD} seeds or \
+             more: {few}."
+        ),
+        false => format!("None is bold: {few}."),
     }
 }
 
@@ -57,7 +74,7 @@ fn table_of(ranking: &Ranking, cells: &[(usize, String)]) -> String {
     let head: String =
         cells.iter().map(|(_, label)| format!("<th scope=\"col\"><span>{}</span></th>", escaped(label))).collect();
     let row = |(x, label): &(usize, String)| {
-        let pairs: String = cells.iter().map(|(y, _)| cell(x == y, ranking.more[*x][*y].as_ref())).collect();
+        let pairs: String = cells.iter().map(|(y, _)| cell(ranking, *x, *y)).collect();
         format!("<tr><th scope=\"row\">{}</th>{pairs}</tr>\n", escaped(label))
     };
     let rows: String = cells.iter().map(row).collect();
@@ -110,14 +127,14 @@ fn contrast_cells(difference: &Difference, metric: Metric) -> String {
     format!("<td class=\"n\">{mean}<small>{ends}</small></td><td class=\"n\">{more}<small>{below}</small></td>")
 }
 
-fn cell(is_same: bool, over: Option<&Interval>) -> String {
-    let Some(Interval { point, low, high }) = over else {
-        return format!("<td class=\"n\">{}</td>", if is_same { "" } else { "\u{2013}" });
+fn cell(ranking: &Ranking, x: usize, y: usize) -> String {
+    let Some(Interval { point, low, high }) = ranking.more[x][y] else {
+        return format!("<td class=\"n\">{}</td>", if x == y { "" } else { "\u{2013}" });
     };
-    let colour = if *point >= 0.5 { "0 114 178" } else { "213 94 0" };
+    let colour = if point >= 0.5 { "0 114 178" } else { "213 94 0" };
     let ground = format!("rgb({colour} / {:.2})", 0.9 * (point - 0.5).abs());
     let text = format!("{:.0}", 100.0 * point);
-    let text = if *low > 0.5 || *high < 0.5 { format!("<b>{text}</b>") } else { text };
+    let text = if ranking.is_told(x, y) { format!("<b>{text}</b>") } else { text };
     format!(
         "<td class=\"n\" style=\"background:{ground}\">{text}<small>{:.0}\u{2013}{:.0}</small></td>",
         100.0 * low,

@@ -44,8 +44,9 @@ impl Default for Choice {
 impl Choice {
     /// The rule, in words for the reader.
     pub const RULE: &'static str = "For each cell and world, the typical seed is the one with the median success rate \
-        (of two, the lower). Of its episodes the page shows the success of median duration, the collision that came \
-        soonest, and the timeout that covered the least distance, the commonest outcome of the cell in this world first.";
+        (of two, the lower). Of its episodes with each outcome the page shows the one of median duration (of timeouts, which \
+        all last equally long, of median distance), the commonest outcome of the cell in this world first. In brackets: \
+        how many of the cell\u{2019}s episodes in this world, of all seeds, end so.";
 
     /// The typical of the runs in their world number `world`: that of median success.
     pub(super) fn typical_run(runs: &[RunRow], world: usize) -> Option<&RunRow> {
@@ -55,30 +56,35 @@ impl Choice {
         known.get(known.len().saturating_sub(1) / 2).map(|(_, run)| *run)
     }
 
-    /// The episodes of the typical seed that are shown, the most telling of each outcome first; outcomes in the order of how
+    /// The episodes of the typical seed that are shown, the most typical of each outcome first; outcomes in the order of how
     /// common they are, given by `share`.
     pub(super) fn of_episodes<'a>(
         &self,
         episodes: &'a [EpisodeRecord],
         share: impl Fn(Outcome) -> f64,
     ) -> Vec<(&'static str, &'a EpisodeRecord)> {
-        let n = self.n_per_outcome.get();
-        let of = |outcome: Outcome, key: fn(&EpisodeRecord) -> f64| {
+        let typical = |outcome: Outcome| {
             let mut of: Vec<&EpisodeRecord> = episodes.iter().filter(|episode| episode.outcome == outcome).collect();
-            of.sort_by(|a, b| key(a).total_cmp(&key(b)).then(a.scenario.cmp(&b.scenario)));
-            of
+            of.sort_by(|a, b| length(a).total_cmp(&length(b)).then(a.scenario.cmp(&b.scenario)));
+            from_the_middle(&of)
         };
-        let successes = from_the_middle(&of(Outcome::Success, |episode| episode.duration));
-        let collisions = of(Outcome::Collision, |episode| episode.duration);
-        let timeouts = of(Outcome::Timeout, |episode| episode.distance);
-        let mut lists = [
-            (Outcome::Success, "typical success", successes),
-            (Outcome::Collision, "soonest collision", collisions),
-            (Outcome::Timeout, "shortest timeout", timeouts),
+        let mut outcomes = [
+            (Outcome::Success, "typical success"),
+            (Outcome::Collision, "typical collision"),
+            (Outcome::Timeout, "typical timeout"),
         ];
-        lists.sort_by(|a, b| share(b.0).total_cmp(&share(a.0)));
-        let named = |(_, why, list): (_, _, Vec<&'a EpisodeRecord>)| list.into_iter().take(n).map(move |it| (why, it));
-        lists.into_iter().flat_map(named).collect()
+        outcomes.sort_by(|a, b| share(b.0).total_cmp(&share(a.0)));
+        let named =
+            |(outcome, why)| typical(outcome).into_iter().take(self.n_per_outcome.get()).map(move |it| (why, it));
+        outcomes.into_iter().flat_map(named).collect()
+    }
+}
+
+/// By what the episodes of one outcome are ordered: their duration, or their distance where all last equally long.
+fn length(episode: &EpisodeRecord) -> f64 {
+    match episode.outcome {
+        Outcome::Success | Outcome::Collision => episode.duration,
+        Outcome::Timeout => episode.distance,
     }
 }
 
@@ -126,10 +132,12 @@ mod tests {
             episode(0, Outcome::Success, 9.0, 5.0),
             episode(1, Outcome::Collision, 4.0, 2.0),
             episode(2, Outcome::Success, 7.0, 5.0),
-            episode(3, Outcome::Timeout, 60.0, 8.0),
+            episode(3, Outcome::Timeout, 60.0, 80.0),
             episode(4, Outcome::Success, 8.0, 5.0),
-            episode(5, Outcome::Collision, 3.0, 4.0),
-            episode(6, Outcome::Timeout, 60.0, 0.5),
+            episode(5, Outcome::Collision, 0.2, 0.1),
+            episode(6, Outcome::Timeout, 60.0, 0.0),
+            episode(7, Outcome::Collision, 30.0, 9.0),
+            episode(8, Outcome::Timeout, 60.0, 29.5),
         ];
         let shares = |choice: &Choice, shares: [f64; 3]| {
             let share = |outcome| match outcome {
@@ -138,14 +146,16 @@ mod tests {
                 Outcome::Timeout => shares[2],
             };
             let shown = choice.of_episodes(&episodes, share);
+            let is_named = |(why, it): &(&str, &EpisodeRecord)| *why == format!("typical {}", it.outcome.name());
+            assert!(shown.iter().all(is_named), "{shown:?}");
             shown.iter().map(|(_, episode)| episode.scenario).collect::<Vec<_>>()
         };
-        let scenarios = |choice: &Choice| shares(choice, [0.4, 0.3, 0.3]);
         let mut choice = Choice::default();
-        assert_eq!(scenarios(&choice), [4, 5, 6]);
+        assert_eq!(shares(&choice, [0.4, 0.3, 0.2]), [4, 1, 8]);
+        // What once stood for nine in ten drives that time out: the one that never moved.
+        assert_eq!(shares(&choice, [0.0, 0.1, 0.9]), [8, 1, 4]);
         choice.n_per_outcome = NonZeroUsize::new(2).unwrap();
-        assert_eq!(scenarios(&choice), [4, 2, 5, 1, 6, 3]);
-        assert_eq!(shares(&choice, [0.1, 0.1, 0.8]), [6, 3, 4, 2, 5, 1]);
+        assert_eq!(shares(&choice, [0.1, 0.1, 0.8]), [8, 6, 4, 2, 1, 5]);
         assert!(choice.of_episodes(&[], |_| 0.0).is_empty());
     }
 

@@ -10,8 +10,10 @@ use crate::Error;
 use crate::episode::Metric;
 use crate::report::RunRow;
 
-/// Where profiles are evaluated.
-const N_TAUS: usize = 101;
+/// Fewest seeds of either cell from which a probability counts as told from luck. Of fewer, even the exact test for seeds that pair up
+/// ([`sign_flip`](headway_stats::sign_flip)) never has a p of 0.05 or less, while an interval leaves out one half wherever all of one
+/// cell's seeds have more than all of the other's.
+pub(crate) const MIN_SEEDS_TOLD: usize = 6;
 
 /// The scores that cells are compared in: from 0 to 1, of which more is better.
 const SCORES: [Metric; 2] = [Metric::Success, Metric::Spl];
@@ -24,7 +26,7 @@ pub(crate) struct Comparison {
     pub(crate) metric: Metric,
     /// The interquartile mean over seeds and worlds, with its interval where there are three seeds.
     pub(crate) iqm: Vec<Option<Aggregate>>,
-    /// The share of runs above each score.
+    /// The share of runs above each score that occurs, in ascending order: it holds from there to the next, and is 1 before the first.
     pub(crate) profiles: Vec<Vec<Point>>,
 }
 
@@ -34,6 +36,8 @@ pub(crate) struct Ranking {
     pub(crate) metric: Metric,
     /// Of the row's cell over the column's; `None` where their worlds or their number do not allow it.
     pub(crate) more: Vec<Vec<Option<Interval>>>,
+    /// The number of runs of each cell.
+    pub(crate) n_runs: Vec<usize>,
 }
 
 /// An aggregate over runs and worlds.
@@ -87,7 +91,17 @@ impl Ranking {
                     over.map(|over| Interval { point: 1.0 - over.point, low: 1.0 - over.high, high: 1.0 - over.low });
             }
         }
-        Ok(Self { metric, more })
+        Ok(Self { metric, more, n_runs: arms.iter().map(Arm::n_runs).collect() })
+    }
+
+    /// Whether two cells have seeds enough for their probability to be told from luck.
+    pub(crate) fn has_enough(&self, x: usize, y: usize) -> bool {
+        self.n_runs[x].min(self.n_runs[y]) >= MIN_SEEDS_TOLD
+    }
+
+    /// Whether that of one cell over another is told from one half: by its interval, and with seeds enough.
+    pub(crate) fn is_told(&self, x: usize, y: usize) -> bool {
+        self.has_enough(x, y) && self.more[x][y].is_some_and(|over| over.low > 0.5 || over.high < 0.5)
     }
 }
 
@@ -120,7 +134,9 @@ impl<'a> Arm<'a> {
 
     fn profile(&self) -> Result<Vec<Point>, Error> {
         let Some(scores) = &self.scores else { return Ok(Vec::new()) };
-        let taus: Vec<f64> = (0..N_TAUS).map(|k| k as f64 / (N_TAUS - 1) as f64).collect();
+        let mut taus = scores.values().to_vec();
+        taus.sort_unstable_by(f64::total_cmp);
+        taus.dedup();
         let shares = performance_profile(scores, &taus, Profile::Runs, &whole(resampling())).map_err(Error::failure)?;
         let band = |share: &Interval| self.has_spread().then(|| share.ends());
         let point =
@@ -134,5 +150,45 @@ impl<'a> Arm<'a> {
             return Ok(None);
         }
         improvement_bootstrap(x, y, &whole(resampling())).map(Some).map_err(Error::failure)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn arm(rows: &[[f64; 2]]) -> Arm<'static> {
+        Arm { worlds: vec!["a", "b"], scores: Scores::from_rows(rows).ok() }
+    }
+
+    fn shares(rows: &[[f64; 2]]) -> Vec<(f64, f64)> {
+        arm(rows).profile().unwrap().iter().map(|point| (point.x, point.y)).collect()
+    }
+
+    #[test]
+    fn profiles_fall_at_the_scores_that_occur() {
+        assert_eq!(shares(&[[0.995, 0.999], [0.999, 1.0]]), [(0.995, 0.75), (0.999, 0.25), (1.0, 0.0)]);
+        assert_eq!(shares(&[[1.0, 1.0]]), [(1.0, 0.0)]);
+        assert!(shares(&[]).is_empty());
+        let three = arm(&[[0.2, 0.2], [0.4, 0.4], [0.6, 0.6]]).profile().unwrap();
+        // All of three redrawn runs are the first with a probability of 1/27, more than the 2.5 % of a tail: none then lies above.
+        assert_eq!(three[0].band, Some((0.0, 1.0)));
+        assert_eq!((three[2].y, three[2].band), (0.0, Some((0.0, 0.0))), "nothing lies above the greatest");
+    }
+
+    #[test]
+    fn few_seeds_tell_nothing_however_far_apart() {
+        let told = |n: usize, others: usize| {
+            let side = |n: usize, score: f64| arm(&vec![[score; 2]; n]);
+            let ranking = Ranking::new(Metric::Success, &[side(n, 1.0), side(others, 0.5)]).unwrap();
+            assert_eq!(ranking.more[0][1].map(|over| (over.low, over.high)), Some((1.0, 1.0)));
+            assert_eq!(ranking.is_told(0, 1), ranking.is_told(1, 0));
+            ranking.is_told(0, 1)
+        };
+        assert_eq!([(3, 3), (5, 20), (6, 6), (20, 20)].map(|(n, others)| told(n, others)), [false, false, true, true]);
+        let alike = Ranking::new(Metric::Success, &[arm(&[[0.5; 2]; 9]), arm(&[[0.5; 2]; 9])]).unwrap();
+        assert!(alike.has_enough(0, 1) && !alike.is_told(0, 1));
+        let least_p = |n: usize| headway_stats::sign_flip(&vec![1.0; n]);
+        assert!(least_p(MIN_SEEDS_TOLD) <= 0.05 && least_p(MIN_SEEDS_TOLD - 1) > 0.05);
     }
 }
