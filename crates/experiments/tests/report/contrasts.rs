@@ -29,6 +29,7 @@ DDQN   room_10x15  R_couple             +75.00       1.00      4/4              
 DDQN   room_25x25  R_couple             +75.00       1.00      4/4               0.000       0.50      0/3
                               +50.00 to +93.75  1.00–1.00  p 0.125      0.000 to 0.000  0.50–0.50  p 1.000
 Each `reward` less `R`, the other axes alike, paired over 4 seeds; below it its 95 % bootstrap interval over them.
+Intervals over 3 to 5 seeds are too narrow: over 3 each is the range of the seeds, which misses the mean 1 time in 4.
 P(more): how likely a run is to have more than one of the other's, ties by half; seeds more: in how many of the pairs.
 p: how likely differences as large as these are if the two are drawn alike (sign-flip test; 0.05 takes 6 seeds).
 Of 4 differences that are all luck, 0.2 at most have p of 0.05 or less, on average.
@@ -88,7 +89,9 @@ fn records_hold_what_the_contrasts_do() {
             "p",
             "more",
             "more_low",
-            "more_high"
+            "more_high",
+            "collapsed",
+            "collapsed_base"
         ])
     );
     let rows: Vec<_> = rows.records().map(Result::unwrap).collect();
