@@ -388,9 +388,9 @@ pub enum AuditFormat {
 pub enum ReportFormat {
     /// A table for people.
     Table,
-    /// JSON, a list of objects: one per cell and world.
+    /// JSON, a list of objects: one per cell and world; with --runs one per run.
     Json,
-    /// CSV, one line per cell and world.
+    /// CSV, one line per cell and world; with --runs one per run and world.
     Csv,
     /// A page for browsers, in a file.
     Html,

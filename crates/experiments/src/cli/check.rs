@@ -113,13 +113,13 @@ fn twins(cells: &[Cell]) -> Vec<String> {
         .collect()
 }
 
-/// What the number of runs comes from: cells and seeds, less what is done for an earlier cell or seed already.
+/// What the number of runs comes from: cells and seeds, less what is done for an earlier cell, or seed, already.
 fn factors(grid: &Grid, n_runs: u64) -> String {
     let (n_cells, n_seeds) = (grid.cells.len() as u64, grid.seeds.count);
     let product = format!("{} x {}", counted(n_cells, "cell"), counted(n_seeds, "seed"));
     match n_cells * n_seeds - n_runs {
         0 => product,
-        n_again => format!("{product}, less {n_again} that would be others again"),
+        n_again => format!("{product}, less {n_again} that are shared"),
     }
 }
 
@@ -245,7 +245,7 @@ memory is that of the replays; evaluation scenarios take some 3 kB each beside i
         let n_episodes = 7 * (10 * (5 + 2) + 2);
         assert_eq!(amounts, Amounts { n_runs: 21, n_env_steps: 20_000, n_episodes });
         let text = describe(&grid, &amounts);
-        let runs = "\nruns         21 = 5 cells x 10 seeds, less 29 that would be others again\n";
+        let runs = "\nruns         21 = 5 cells x 10 seeds, less 29 that are shared\n";
         assert!(text.contains(runs), "{text}");
         // As `run` has them.
         let plan = Plan::new(&grid).unwrap();

@@ -14,20 +14,31 @@ pub(super) fn fewest(n_axes: usize, will_do: impl Fn(&[usize]) -> bool) -> Optio
     sets.into_iter().map(axes).find(|axes| will_do(axes))
 }
 
-/// What tells `some` cells from all others, in words: their levels of as few axes as will do, each combination once.
+/// What tells `some` cells from all others, in words: their levels of as few axes as will do. One piece, such as
+/// `reading=P or T, reward=R`, if they are all that have one of these levels of each axis; or else one for each combination.
 pub(super) fn shared(some: &[&[AxisLevel]], all: &[&[AxisLevel]]) -> Vec<String> {
-    let label = |cell: &[AxisLevel], axes: &[usize]| {
-        let levels = axes.iter().map(|axis| &cell[*axis]);
-        levels.map(|level| format!("{}={}", level.axis, level.level)).collect::<Vec<_>>().join(" ")
-    };
-    let labels = |axes: &[usize]| some.iter().map(|cell| label(cell, axes)).collect::<BTreeSet<_>>();
+    let part =
+        |cell: &[AxisLevel], axes: &[usize]| axes.iter().map(|axis| cell[*axis].level.clone()).collect::<Vec<_>>();
+    let parts = |axes: &[usize]| some.iter().map(|cell| part(cell, axes)).collect::<BTreeSet<_>>();
     let will_do = |axes: &[usize]| {
-        let labels = labels(axes);
-        all.iter().filter(|cell| labels.contains(&label(cell, axes))).count() == some.len()
+        let parts = parts(axes);
+        all.iter().filter(|cell| parts.contains(&part(cell, axes))).count() == some.len()
     };
-    let n_axes = some.first().map_or(0, |cell| cell.len());
-    let axes = fewest(n_axes, will_do).unwrap_or_else(|| (0..n_axes).collect());
-    labels(&axes).into_iter().collect()
+    let Some(first) = some.first() else { return Vec::new() };
+    let axes = fewest(first.len(), will_do).unwrap_or_else(|| (0..first.len()).collect());
+    let parts = parts(&axes);
+    let names: Vec<&str> = axes.iter().map(|axis| &*first[*axis].axis).collect();
+    let levels: Vec<BTreeSet<&str>> = (0..axes.len()).map(|k| parts.iter().map(|part| &*part[k]).collect()).collect();
+    if levels.iter().map(BTreeSet::len).product::<usize>() == parts.len() {
+        let of_axis = |(name, levels): (&&str, &BTreeSet<&str>)| {
+            format!("{name}={}", levels.iter().copied().collect::<Vec<_>>().join(" or "))
+        };
+        return vec![names.iter().zip(&levels).map(of_axis).collect::<Vec<_>>().join(", ")];
+    }
+    let label = |part: &Vec<String>| {
+        names.iter().zip(part).map(|(name, level)| format!("{name}={level}")).collect::<Vec<_>>().join(" ")
+    };
+    parts.iter().map(label).collect()
 }
 
 #[cfg(test)]
@@ -44,9 +55,11 @@ mod tests {
         let all = all.map(|(reading, agent)| cell(reading, agent));
         let all: Vec<&[AxisLevel]> = all.iter().map(|cell| &cell[..]).collect();
         assert_eq!(shared(&all[4..], &all), ["reading=H"]);
-        assert_eq!(shared(&all[2..], &all), ["reading=H", "reading=T"]);
+        assert_eq!(shared(&all[2..], &all), ["reading=H or T"]);
         assert_eq!(shared(&[all[0], all[2], all[4]], &all), ["agent=DQN"]);
-        assert_eq!(shared(&all[1..2], &all), ["reading=P agent=DDQN"]);
+        assert_eq!(shared(&all[1..2], &all), ["reading=P, agent=DDQN"]);
+        assert_eq!(shared(&[all[0], all[3]], &all), ["reading=P agent=DQN", "reading=T agent=DDQN"]);
+        assert_eq!(shared(&[], &all), Vec::<String>::new());
     }
 
     #[test]

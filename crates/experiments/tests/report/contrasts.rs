@@ -2,7 +2,7 @@
 
 use headway_experiments::episode::Metric;
 use headway_experiments::report::Contrasts;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::{Fixture, assert_text, skill};
 
@@ -64,6 +64,23 @@ fn what_does_not_fit_is_named() {
     let expected = "left out for want of room: timeout and 9 more (see --metric, or --format json or csv)";
     assert_eq!(left_out, expected);
     assert_text(&table, &format!("\n{table}"));
+}
+
+/// They stood beside the table alone, and not in JSON.
+#[test]
+fn settings_that_differ_are_in_the_table_and_in_json() {
+    let fixture = Fixture::new(2, skill);
+    let contrasts = fixture.report().contrasts("agent", None).unwrap();
+    assert!(!contrasts.table(&[Metric::Success]).contains("differ in"), "not read yet");
+    let contrasts = contrasts.with_settings(fixture.path()).unwrap();
+    let table = contrasts.table(&[Metric::Success]);
+    assert_eq!(table.lines().last(), Some("DDQN and DQN differ in cell"), "{table}");
+    let json: Value = serde_json::from_str(&contrasts.json()).unwrap();
+    let expected = json!([{ "level": "DDQN", "in_all_cells": ["cell"], "in_some_cells": [] }]);
+    assert_eq!(json["settings"], expected, "once, whatever the number of worlds");
+    // The same runs in two worlds do not differ in their training.
+    let worlds = fixture.report().contrasts("world", None).unwrap().with_settings(fixture.path()).unwrap();
+    assert!(worlds.settings.is_empty());
 }
 
 #[test]

@@ -5,8 +5,8 @@ mod contrasts;
 use std::path::Path;
 
 use headway_experiments::collapse::Collapse;
-use headway_experiments::episode::{EpisodeRecord, Outcome};
-use headway_experiments::report::{Report, TABLE_WIDTH, load, of_policy};
+use headway_experiments::episode::{EpisodeRecord, Outcome, SeedSummary};
+use headway_experiments::report::{Interval, Report, Row, TABLE_WIDTH, load, of_policy};
 use headway_experiments::store::{
     AxisLevel, Cell, EvaluationKey, GridAxis, Id, Index, IndexedEvaluation, IndexedRun, RESULTS_VERSION, RunInfo,
     Stopwatch, Store, TrainKey,
@@ -218,22 +218,21 @@ mean speed: all distance / all time, failures included; near obstacles: clearanc
 /// The legend spoke of intervals where cells had no seed or one or two, and passed over what few seeds are worth.
 #[test]
 fn the_legend_says_which_seeds_have_intervals() {
-    let legend = |n_seeds: u64, unfinished: &[(usize, usize)]| -> Vec<String> {
-        let fixture = Fixture::new(n_seeds, |_, _| 8);
-        for (cell, seed) in unfinished {
-            std::fs::remove_file(fixture.run(*cell, *seed).join("done")).unwrap();
-        }
-        let table = fixture.report().table();
+    let legend = |n_seeds: &[usize]| -> Vec<String> {
+        let seed = SeedSummary::of(&episodes(6, 0));
+        let rows = n_seeds.iter().map(|n| Row::of_seeds(Vec::new(), "room".into(), &vec![seed; *n])).collect();
+        let report = Report { rows, interval: Interval::Seeds, ..of_policy(&[("room", Vec::new())]) };
+        let table = report.table();
         table.lines().skip_while(|line| !line.starts_with("Mean over")).take(2).map(str::to_owned).collect()
     };
     let start = "Mean over the training seeds, 8 episodes each; ";
-    assert_eq!(legend(2, &[(1, 0)])[0], format!("{start}no intervals below 3 seeds."));
+    assert_eq!(legend(&[2, 1])[0], format!("{start}no intervals below 3 seeds."));
+    let some = "below it, from 3 seeds on: 95 % percentile bootstrap over the seeds.";
+    assert_eq!(legend(&[2, 6])[0], format!("{start}{some}"));
+    assert_eq!(legend(&[6, 0, 7])[0], format!("{start}below it: 95 % percentile bootstrap over the seeds."));
     let few = "Intervals over 3 to 5 seeds are too narrow: ";
-    let some = legend(3, &[(1, 0)]);
-    assert_eq!(some[0], format!("{start}below it, from 3 seeds on: 95 % percentile bootstrap over the seeds."));
-    assert!(some[1].starts_with(few), "{some:?}");
-    for (n_seeds, are_few) in [(2, false), (3, true), (5, true), (6, false)] {
-        assert_eq!(legend(n_seeds, &[])[1].starts_with(few), are_few, "{n_seeds} seeds");
+    for (n_seeds, are_few) in [(&[2, 1][..], false), (&[3], true), (&[9, 5], true), (&[6, 2], false)] {
+        assert_eq!(legend(n_seeds)[1].starts_with(few), are_few, "{n_seeds:?} seeds");
     }
 }
 

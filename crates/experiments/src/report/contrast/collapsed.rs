@@ -1,16 +1,13 @@
 //! In how many seeds the sides of contrasts collapsed.
 
-use std::cmp::Reverse;
-use std::collections::BTreeMap;
-
 use super::{Contrast, Contrasts, WORLD};
 use crate::report::TABLE_WIDTH;
 use crate::report::axes::shared;
 use crate::report::layout::wrapped;
 use crate::store::AxisLevel;
 
-/// Numbers of seeds that are told of a level, and places that are told of a number; the others are counted.
-const N_TOLD: usize = 4;
+/// Places that are told one by one; more are counted.
+const N_TOLD: usize = 3;
 
 /// A cell in a world of which policies were trained.
 struct Side {
@@ -53,23 +50,33 @@ fn add(sides: &mut Vec<Side>, side: Side) {
     }
 }
 
-/// For example `in 20 of 20 seeds where reading=P; in 1 of 20 where reading=T agent=DQN`; nothing if none did.
+/// For example `in 18 to 20 of 20 seeds where reading=P; in 1 of 20 where reading=T, agent=DQN`: where half of the seeds or more did,
+/// and where fewer; nothing if none did.
 fn told(sides: &[Side]) -> Option<String> {
     let all: Vec<&[AxisLevel]> = sides.iter().map(|side| &side.place[..]).collect();
-    let mut groups: BTreeMap<Reverse<(usize, usize)>, Vec<&[AxisLevel]>> = BTreeMap::new();
-    for side in sides.iter().filter(|side| side.n_collapsed > 0) {
-        groups.entry(Reverse((side.n_collapsed, side.n_seeds))).or_default().push(&side.place);
-    }
-    let group = |(k, (Reverse((n, n_seeds)), places)): (usize, (&Reverse<(usize, usize)>, &Vec<&[AxisLevel]>))| {
-        let seeds = if k == 0 { " seeds" } else { "" };
-        format!("in {n} of {n_seeds}{seeds}{}", words(places, &all))
+    let (most, few): (Vec<&Side>, Vec<&Side>) =
+        sides.iter().filter(|side| side.n_collapsed > 0).partition(|side| 2 * side.n_collapsed >= side.n_seeds);
+    let groups = [most, few].into_iter().filter(|group| !group.is_empty()).enumerate();
+    let group = |(k, group): (usize, Vec<&Side>)| {
+        let (seeds, some): (_, Vec<&[AxisLevel]>) =
+            (if k == 0 { " seeds" } else { "" }, group.iter().map(|side| &side.place[..]).collect());
+        format!("in {}{seeds}{}", numbers(&group), words(&some, &all))
     };
-    let mut told: Vec<String> = groups.iter().enumerate().take(N_TOLD).map(group).collect();
-    let n_others: usize = groups.values().skip(N_TOLD).map(Vec::len).sum();
-    if n_others > 0 {
-        told.push(format!("in fewer in {n_others} more rows"));
-    }
+    let told: Vec<String> = groups.map(group).collect();
     (!told.is_empty()).then(|| told.join("; "))
+}
+
+/// For example `18 to 20 of 20`; `3 of 5 to 20 of 20` where the numbers of seeds differ.
+fn numbers(sides: &[&Side]) -> String {
+    let share = |side: &&&Side| side.n_collapsed as f64 / side.n_seeds as f64;
+    let least = sides.iter().min_by(|a, b| share(a).total_cmp(&share(b))).expect("groups are not empty");
+    let most = sides.iter().max_by(|a, b| share(a).total_cmp(&share(b))).expect("groups are not empty");
+    let of = |side: &Side| format!("{} of {}", side.n_collapsed, side.n_seeds);
+    match (of(least), of(most)) {
+        (least, most) if least == most => most,
+        (_, of_most) if least.n_seeds == most.n_seeds => format!("{} to {of_most}", least.n_collapsed),
+        (least, most) => format!("{least} to {most}"),
+    }
 }
 
 /// Where some of the sides are; nothing if they are all that there are.
@@ -105,16 +112,20 @@ mod tests {
         assert_eq!(told(&[("P", 20, 20), ("T", 0, 0), ("H", 0, 0)]), "in 20 of 20 seeds where reading=P");
         assert_eq!(told(&[("P", 7, 7), ("T", 7, 7)]), "in 7 of 20 seeds");
         assert_eq!(
-            told(&[("P", 20, 20), ("T", 0, 1), ("H", 0, 0)]),
-            "in 20 of 20 seeds where reading=P; in 1 of 20 where reading=T world=b"
+            told(&[("P", 20, 18), ("T", 0, 1), ("H", 0, 0)]),
+            "in 18 to 20 of 20 seeds where reading=P; in 1 of 20 where reading=T, world=b"
         );
-        assert_eq!(
-            told(&[("P", 20, 19), ("T", 18, 17), ("H", 16, 15)]),
-            "in 20 of 20 seeds where reading=P world=a; in 19 of 20 where reading=P world=b; in 18 of 20 where reading=T \
-             world=a; in 17 of 20 where reading=T world=b; in fewer in 2 more rows"
-        );
+        let crossed = [("P", 20, 0), ("T", 0, 19), ("H", 0, 0)];
+        assert_eq!(told(&crossed), "in 19 to 20 of 20 seeds where reading=P world=a or reading=T world=b");
         let scattered = [("P", 5, 0), ("T", 0, 5), ("H", 5, 0), ("N", 0, 5), ("Q", 5, 0)];
         assert_eq!(told(&scattered), "in 5 of 20 seeds in 5 rows");
+    }
+
+    #[test]
+    fn numbers_of_seeds_may_differ() {
+        let mut sides = sides(&[("P", 3, 20)]);
+        sides[0].n_seeds = 5;
+        assert_eq!(numbers(&sides.iter().collect::<Vec<_>>()), "3 of 5 to 20 of 20");
     }
 
     #[test]

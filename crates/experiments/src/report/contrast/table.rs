@@ -88,7 +88,8 @@ impl Contrasts {
             "P(more): how likely a run is to have more than one of the other's, ties by half; seeds more: in how many of the pairs."
                 .to_owned(),
         ];
-        if contrasts.iter().any(|contrast| are_few(contrast.n_seeds)) {
+        let few = |contrast: &Contrast| shown.iter().any(|metric| are_few(contrast.difference(*metric).paired.n));
+        if contrasts.iter().any(few) {
             legend.insert(1, CAUTION.to_owned());
         }
         if self.has_intervals() {
