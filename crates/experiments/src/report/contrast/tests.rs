@@ -179,4 +179,5 @@ fn no_axis_can_have_the_name_of_a_column() {
     let free: Vec<_> = columns.chain(of_runs).filter(|column| !crate::spec::is_column(column)).collect();
     // The axes, of the list of runs twice, and there the worlds.
     assert_eq!(free, ["reward", "agent", "agent", "reward", "reward", "agent", "reward", "agent", "a", "b"]);
+    assert!(["cell", "run"].into_iter().all(crate::spec::is_column), "of lists of runs elsewhere");
 }

@@ -3,6 +3,7 @@
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::{Policy, RunRow};
+use crate::collapse::Collapse;
 use crate::episode::{Metric, SeedSummary};
 use crate::report::Report;
 use crate::report::csv::written;
@@ -36,7 +37,7 @@ impl Report {
 
 fn record(run: &RunRow, world: &str, summary: Option<&SeedSummary>) -> Vec<String> {
     let text = |number: Option<f64>| number.map_or_else(String::new, |number| number.to_string());
-    let kinds: Vec<&str> = run.collapse_in(world).map(|collapse| collapse.kind()).collect();
+    let kinds: Vec<&str> = run.collapse_in(world).map(Collapse::kind).collect();
     let n_episodes = summary.map_or(0, |summary| summary.n_episodes);
     let mut fields: Vec<String> = run.axes.iter().map(|level| level.level.clone()).collect();
     fields.extend([run.seed.to_string(), run.train_id.to_string(), run.policy.name().to_owned()]);
