@@ -1,8 +1,8 @@
-//! Collapse: a policy that has stopped learning to drive, found in numbers.
+//! Collapse: a policy that does not drive to goals, or cannot learn to, found in numbers.
 //!
 //! A run can end without an error and be worthless: its policy spins on the spot, parks until the time is up, always does the same.
-//! [`of_training`] judges the rows of a run's metrics, [`of_evaluation`] the episodes that its policy drove; both are pure, and
-//! the numbers that led to a verdict stand in it. [`Watchdog`] says it while the training goes on.
+//! It may have learned what it is paid for: `experiments audit` tells. [`of_training`] judges the rows of a run's metrics,
+//! [`of_evaluation`] the episodes that its policy drove in a world; both are pure, and the numbers that led to a verdict stand in it. [`Watchdog`] says it while the training goes on.
 
 mod episodes;
 mod training;
@@ -15,7 +15,7 @@ pub use training::{
 use serde::{Deserialize, Serialize};
 
 /// One way in which a policy has collapsed, with the numbers that show it.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Collapse {
     /// It turns in circles: the greatest part of the time it does a full turn within ten seconds and gets nowhere.
@@ -51,12 +51,13 @@ pub enum Collapse {
         /// Entropy of its actions, in \[0, 1\].
         entropy: f64,
     },
-    /// It runs out of time in nearly all evaluation episodes of every world.
+    /// It runs out of time in nearly all evaluation episodes of a world.
     TimesOut {
-        /// Share of the episodes, in \[0, 1\], in the world where it is least.
+        /// The name of the world.
+        world: String,
+        /// Share of its episodes, in \[0, 1\].
         timeouts: f64,
-        /// The mean speed of each world (all distance over all time in it), averaged over the worlds, each of which counts the
-        /// same however long its episodes are, m/s.
+        /// The mean speed in it: all distance over all time, m/s.
         mean_speed: f64,
     },
 }
@@ -91,21 +92,65 @@ impl Collapse {
         }
     }
 
-    /// What it does and the numbers that show it: `spins (78 % of the time)`.
+    /// The name of the evaluation world that it was found in; `None` of what the training shows, which holds in every world.
+    pub fn world(&self) -> Option<&str> {
+        if let Self::TimesOut { world, .. } = self { Some(world) } else { None }
+    }
+
+    /// Whether it was found in this evaluation world, or holds in every one.
+    pub fn concerns(&self, world: &str) -> bool {
+        self.world().is_none_or(|own| own == world)
+    }
+
+    /// What it does, where, and the numbers that show it: `spins (78 % of the time)`.
     pub fn describe(&self) -> String {
         let percent = |share: f64| format!("{:.0} %", 100.0 * share);
-        let numbers = match *self {
-            Self::Spinning { share } => format!("{} of the time", percent(share)),
+        let numbers = match self {
+            Self::Spinning { share } => format!("{} of the time", percent(*share)),
             Self::NoProgress { progress, abs_progress, arrived } => {
-                format!("{progress:.2} m/s to the goal, {abs_progress:.2} m/s to and fro, {} arrive", percent(arrived))
+                format!("{progress:.2} m/s to the goal, {abs_progress:.2} m/s to and fro, {} arrive", percent(*arrived))
             }
-            Self::DeadUnits { layer, share } => format!("{} of hidden layer {layer}", percent(share)),
+            Self::DeadUnits { layer, share } => format!("{} of hidden layer {layer}", percent(*share)),
             Self::ExplodingQ { max_abs_q, bound } => format!("|Q| up to {max_abs_q:.3}, returns up to {bound:.3}"),
             Self::OneAction { entropy } => format!("entropy {entropy:.3}"),
-            Self::TimesOut { timeouts, mean_speed } => {
-                format!("{} of evaluation episodes, at {mean_speed:.2} m/s", percent(timeouts))
+            Self::TimesOut { timeouts, mean_speed, .. } => {
+                format!("{} of evaluation episodes, at {mean_speed:.2} m/s", percent(*timeouts))
             }
         };
-        format!("{} ({numbers})", self.short())
+        let place = self.world().map_or_else(String::new, |world| format!(" in {world}"));
+        format!("{}{place} ({numbers})", self.short())
+    }
+}
+
+/// The verdicts on one run without their numbers, each kind once: `spins`, `times out in 10x15 and 25x25`.
+pub(crate) fn kinds(found: &[Collapse]) -> Vec<String> {
+    let mut kinds: Vec<(&str, Vec<&str>)> = Vec::new();
+    for collapse in found {
+        match kinds.iter_mut().find(|(kind, _)| *kind == collapse.short()) {
+            Some((_, worlds)) => worlds.extend(collapse.world()),
+            None => kinds.push((collapse.short(), collapse.world().into_iter().collect())),
+        }
+    }
+    let told = |(kind, worlds): &(&str, Vec<&str>)| match &worlds[..] {
+        [] => (*kind).to_owned(),
+        [others @ .., last] if !others.is_empty() => format!("{kind} in {} and {last}", others.join(", ")),
+        [world, ..] => format!("{kind} in {world}"),
+    };
+    kinds.iter().map(told).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kinds_are_told_once_with_their_worlds() {
+        let times_out = |world: &str| Collapse::TimesOut { world: world.into(), timeouts: 1.0, mean_speed: 0.5 };
+        let spins = Collapse::Spinning { share: 0.8 };
+        assert_eq!(kinds(&[]), Vec::<String>::new());
+        assert_eq!(kinds(&[spins.clone(), times_out("a")]), ["spins", "times out in a"]);
+        assert_eq!(kinds(&[times_out("a"), spins.clone(), times_out("b")]), ["times out in a and b", "spins"]);
+        assert_eq!(kinds(&["a", "b", "c"].map(times_out)), ["times out in a, b and c"]);
+        assert!(spins.concerns("a") && times_out("a").concerns("a") && !times_out("a").concerns("b"));
     }
 }

@@ -15,7 +15,7 @@ mod study;
 mod table;
 
 pub use collapsed::{Collapsed, CollapsedSeed};
-pub use contrast::{Contrast, Contrasts, Difference, WORLD};
+pub use contrast::{Contrast, Contrasts, Difference, LevelSettings, SomeSettings, WORLD};
 pub use figures::{Figure, FigureFormat, WrittenFigures};
 pub use load::load;
 pub use runs::{Policy, RunRow};
@@ -43,9 +43,9 @@ pub struct Report {
     pub runs: Vec<RunRow>,
     /// What the intervals are.
     pub interval: Interval,
-    /// Number of runs of which the policy and all evaluations are there.
+    /// Number of runs of which the policy and all evaluations are there; a run that cells share counts once.
     pub n_complete: usize,
-    /// Number of runs of the grid.
+    /// Number of runs of the grid; a run that cells share counts once.
     pub n_runs: usize,
     /// Reasons to distrust the comparison: damaged folders, runs of several revisions or versions.
     pub warnings: Vec<String>,
@@ -75,7 +75,7 @@ pub struct Row {
     pub estimates: [Estimate; Metric::ALL.len()],
     /// In the same order: the 95 % Wilson score interval over the episodes, low and high, of the rates of a single policy.
     pub wilson: [Option<(f64, f64)>; Metric::ALL.len()],
-    /// Which of the cell's seeds collapsed; the same in all of its worlds.
+    /// Which of the cell's seeds collapsed: by their training, or in this world.
     pub collapsed: Collapsed,
 }
 

@@ -32,6 +32,7 @@ mod timing;
 pub use done::State;
 pub(crate) use done::digest;
 pub use error::StoreError;
+pub(crate) use error::damage;
 pub use id::{EvaluationKey, Id, TrainKey};
 pub use index::{AxisLevel, Cell, GridAxis, Index, IndexedEvaluation, IndexedRun};
 pub use run::{EvaluationFolder, MetricsWriter, PendingRun, RunFolder, RunInfo};

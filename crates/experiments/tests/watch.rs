@@ -103,6 +103,7 @@ fn the_view_is_a_line_for_each_run() {
         steps_per_second: (n_rows > 0).then_some(20_000.0),
         success: vec![(stage == Stage::Done).then_some(0.975), None],
         collapse: Vec::new(),
+        damage: None,
     };
     let spins = vec![Collapse::Spinning { share: 0.9 }];
     let runs = [
@@ -133,6 +134,49 @@ DDQN      1  waiting   –                         –        –     –       
     assert_eq!(narrow.lines.len(), 2 + 2 + 1);
     assert!(narrow.lines[2..4].iter().all(|(line, _)| line.contains("training")));
     assert_eq!(narrow.lines[4].0, "and 2 more runs, done or waiting");
+}
+
+/// One such file ended the view of all the others with an error.
+#[test]
+fn damaged_runs_are_marked_and_the_rest_is_shown() {
+    let folder = grid();
+    let runs = Index::load(folder.path()).unwrap().cells.remove(0).runs;
+    let append = |seed: usize, text: &str| {
+        let path = folder.path().join("runs").join(runs[seed].train_id.as_str()).join("metrics.csv");
+        fs::write(&path, fs::read_to_string(&path).unwrap() + text).unwrap();
+        path
+    };
+    let mut watcher = Watcher::new(folder.path());
+    let done = append(0, "xx"); // not even a line: only the done-file tells
+    let training = append(2, "xx\n");
+    let (index, runs) = watcher.look().unwrap();
+    let stages: Vec<_> = runs.iter().map(|run| run.stage).collect();
+    assert_eq!(stages, [Stage::Damaged, Stage::Evaluating, Stage::Damaged, Stage::Waiting]);
+    let view = View::new(&index, &runs, 160, usize::MAX);
+    assert_eq!(view.title, "small: 0 of 4 runs done, 1 evaluating, 2 damaged, 1 waiting");
+    assert!(view.lines[2].0.contains("  damaged ") && view.lines[2].1 == Tone::Alarm, "{:?}", view.lines);
+    let below: Vec<_> = view.lines[6..].iter().map(|(line, _)| line.as_str()).collect();
+    let redo = "; `experiments run` will redo it";
+    let of_done = format!("metrics.csv is not what was written{redo}");
+    assert_eq!(below[..2], ["success in room", &format!("warning: `{}` is damaged: {of_done}", parent(&done))]);
+    assert!(below[2].starts_with(&format!("warning: `{}` is damaged: ", training.display())), "{below:?}");
+    assert!(below[2].ends_with(redo) && below.len() == 3);
+    // Both runs twice over, as if two cells shared them: each is told once. A low terminal has room for a few.
+    let twice = [&runs[..], &runs[..]].concat();
+    let n_warnings = |runs: &[RunProgress], n_lines| {
+        let view = View::new(&index, runs, 160, n_lines);
+        assert!(view.lines.len() + 4 <= n_lines, "{} lines", view.lines.len());
+        view.lines.iter().filter(|(line, _)| line.starts_with("warning: ")).count()
+    };
+    assert_eq!(n_warnings(&twice, usize::MAX), 2);
+    let many = |k: usize| RunProgress { damage: Some(format!("`{k}` is damaged")), ..runs[0].clone() };
+    let many: Vec<_> = (0..10).map(many).collect();
+    assert_eq!((n_warnings(&many, usize::MAX), n_warnings(&many, 20)), (10, 2));
+    assert_eq!(View::new(&index, &many, 160, 20).lines.last().unwrap().0, "and 8 more are damaged");
+}
+
+fn parent(path: &std::path::Path) -> std::path::Display<'_> {
+    path.parent().unwrap().display()
 }
 
 #[test]

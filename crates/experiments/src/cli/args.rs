@@ -162,6 +162,7 @@ pub struct ListArgs {}
 Examples:
   experiments report results/quick
   experiments report results/quick --runs
+  experiments report results/quick --runs --format csv > runs.csv
   experiments report results/table1 --format csv > table1.csv
   experiments report results/table1 --format html
   experiments report results/table1 --format html --out table1.html --drives 3 --drive '*/10x15/0/17'
@@ -177,8 +178,8 @@ pub struct ReportArgs {
     /// How to print.
     #[arg(long, value_enum, default_value_t = ReportFormat::Table)]
     pub format: ReportFormat,
-    /// One line per run instead: its cell, seed, id, success in each world, and the path of its policy.
-    #[arg(long, conflicts_with = "format")]
+    /// One line per run instead: its cell, seed, id, success in each world, and the path of its policy; json and csv have all metrics.
+    #[arg(long)]
     pub runs: bool,
     /// Where the page goes [default: DIR/report.html], or the folder of figures [default: DIR/figures].
     #[arg(long, value_name = "PATH")]
@@ -387,9 +388,9 @@ pub enum AuditFormat {
 pub enum ReportFormat {
     /// A table for people.
     Table,
-    /// JSON, a list of objects: one per cell and world.
+    /// JSON, a list of objects: one per cell and world; with --runs one per run.
     Json,
-    /// CSV, one line per cell and world.
+    /// CSV, one line per cell and world; with --runs one per run and world.
     Csv,
     /// A page for browsers, in a file.
     Html,

@@ -10,7 +10,8 @@ use super::left_out;
 use super::print;
 use super::speed::{self, Cost};
 use crate::Error;
-use crate::spec::{Cell, Grid, RunSpec};
+use crate::plan::{Plan, Run};
+use crate::spec::{Cell, Grid, Seeds};
 
 /// Validates a spec and prints its cells, its seeds, how much there is to run, and how long that may take.
 ///
@@ -18,17 +19,53 @@ use crate::spec::{Cell, Grid, RunSpec};
 /// Whatever is wrong with the spec.
 pub fn execute(args: &CheckArgs, out: &mut dyn Write) -> Result<(), Error> {
     let grid = Grid::load(&args.spec, &args.set)?;
-    print(out, &describe(&grid))?;
+    let one_seed = one_seed(&grid);
+    let plan = Plan::new(&one_seed)?;
+    print(out, &describe(&grid, &Amounts::of(&plan, grid.seeds)))?;
     let left_out = left_out::in_words(&grid);
     if !left_out.is_empty() {
         print(out, &format!("\n{left_out}"))?;
     }
     let n_cores = available_parallelism().map_or(1, NonZeroUsize::get);
-    print(out, &cost(&speed::cost(&grid)?, grid.n_runs(), n_cores))
+    let cost_of_run = speed::cost(&plan, |run| n_seeds(run, grid.seeds))?;
+    print(out, &cost(&cost_of_run, Amounts::of(&plan, grid.seeds).n_runs, n_cores))
+}
+
+/// The grid with the first of its seeds alone: which runs cells share is the same for each.
+fn one_seed(grid: &Grid) -> Grid {
+    Grid { seeds: Seeds { count: 1, ..grid.seeds }, ..grid.clone() }
+}
+
+/// How many seeds a run of one seed stands for; where nothing is trained, they make no difference.
+fn n_seeds(run: &Run<'_>, seeds: Seeds) -> u64 {
+    if run.spec.policy.is_learned() { seeds.count } else { 1 }
+}
+
+/// How much there is to run, each run and each evaluation once.
+#[derive(Debug, PartialEq, Eq)]
+struct Amounts {
+    n_runs: u64,
+    n_env_steps: u64,
+    n_episodes: u64,
+}
+
+impl Amounts {
+    /// Those of a grid with these seeds, from its plan with one of them.
+    fn of(plan: &Plan<'_>, seeds: Seeds) -> Self {
+        let total = |of: fn(&Run<'_>) -> u64| {
+            let each = plan.runs.iter().map(|run| n_seeds(run, seeds).saturating_mul(of(run)));
+            each.fold(0, u64::saturating_add)
+        };
+        Self {
+            n_runs: total(|_| 1),
+            n_env_steps: total(|run| if run.spec.policy.is_learned() { run.spec.train.n_steps } else { 0 }),
+            n_episodes: total(|run| run.evaluations.iter().map(|of| of.spec.evaluate.n_episodes as u64).sum()),
+        }
+    }
 }
 
 /// The grid in words: name, cells, seeds, amounts.
-fn describe(grid: &Grid) -> String {
+fn describe(grid: &Grid, amounts: &Amounts) -> String {
     let mut text = format!("{}: valid\n\n", grid.name);
     text.push_str(&cells(grid));
     for note in twins(&grid.cells) {
@@ -36,10 +73,10 @@ fn describe(grid: &Grid) -> String {
     }
     let last = grid.seeds.first + (grid.seeds.count - 1);
     let _ = writeln!(text, "\nseeds        {} to {last}", grid.seeds.first);
-    let (n_cells, n_seeds) = (counted(grid.cells.len() as u64, "cell"), counted(grid.seeds.count, "seed"));
-    let _ = writeln!(text, "runs         {} = {n_cells} x {n_seeds}", grid.n_runs());
-    let _ = writeln!(text, "training     {} env steps", grouped(n_env_steps(grid)));
-    let _ = writeln!(text, "evaluation   {} episodes", grouped(n_episodes(grid)));
+    let Amounts { n_runs, n_env_steps, n_episodes } = amounts;
+    let _ = writeln!(text, "runs         {n_runs} = {}", factors(grid, *n_runs));
+    let _ = writeln!(text, "training     {} env steps", grouped(*n_env_steps));
+    let _ = writeln!(text, "evaluation   {} episodes", grouped(*n_episodes));
     text
 }
 
@@ -76,14 +113,14 @@ fn twins(cells: &[Cell]) -> Vec<String> {
         .collect()
 }
 
-fn n_env_steps(grid: &Grid) -> u64 {
-    let learned = grid.runs().filter(|(cell, _)| cell.spec.policy.is_learned());
-    learned.map(|(cell, _)| cell.spec.train.n_steps).sum()
-}
-
-fn n_episodes(grid: &Grid) -> u64 {
-    let of = |spec: &RunSpec| spec.evaluate.n_episodes as u64 * spec.evaluate.worlds.len() as u64;
-    grid.runs().map(|(cell, _)| of(&cell.spec)).sum()
+/// What the number of runs comes from: cells and seeds, less what is done for an earlier cell, or seed, already.
+fn factors(grid: &Grid, n_runs: u64) -> String {
+    let (n_cells, n_seeds) = (grid.cells.len() as u64, grid.seeds.count);
+    let product = format!("{} x {}", counted(n_cells, "cell"), counted(n_seeds, "seed"));
+    match n_cells * n_seeds - n_runs {
+        0 => product,
+        n_again => format!("{product}, less {n_again} that are shared"),
+    }
 }
 
 /// How long the runs may take, on one core and on all.
@@ -180,6 +217,41 @@ memory is that of the replays; evaluation scenarios take some 3 kB each beside i
                 .contains("one core\ntraining           50 s\nevaluation      1.7 min\ntotal           2.6 min\n")
         );
         assert!(on_one_core.contains("memory            19 MB\n"));
+    }
+
+    /// Cells that differ in their evaluation only are trained once, and evaluated once in a world that they have in common.
+    #[test]
+    fn what_cells_share_counts_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("grid.toml");
+        let text = r#"
+            seeds = { first = 3, count = 10 }
+            train = { n_steps = 1_000 }
+            evaluate = { n_episodes = 7 }
+            [[axis]]
+            name = "change"
+            [axis.levels]
+            none = {}
+            gamma = { "agent.gamma" = 0.9 }
+            "6 obstacles" = { "evaluate.worlds.0.world" = { type = "room", obstacles = { count = 6 } } }
+            shield = { "evaluate.shield" = { margin = 0.3 } }
+            VFH = { "policy.type" = "vfh" }
+        "#;
+        std::fs::write(&path, text).unwrap();
+        let grid = Grid::load(&path, &[]).unwrap();
+        let one_seed = one_seed(&grid);
+        let amounts = Amounts::of(&Plan::new(&one_seed).unwrap(), grid.seeds);
+        // Two trainings of ten seeds each and the driver's run; the first is evaluated in 2 worlds, in 1 more, and in 2 with a shield.
+        let n_episodes = 7 * (10 * (5 + 2) + 2);
+        assert_eq!(amounts, Amounts { n_runs: 21, n_env_steps: 20_000, n_episodes });
+        let text = describe(&grid, &amounts);
+        let runs = "\nruns         21 = 5 cells x 10 seeds, less 29 that are shared\n";
+        assert!(text.contains(runs), "{text}");
+        // As `run` has them.
+        let plan = Plan::new(&grid).unwrap();
+        assert_eq!(plan.runs.len(), 21);
+        assert_eq!(plan.runs.iter().map(|run| 7 * run.evaluations.len() as u64).sum::<u64>(), n_episodes);
+        assert_eq!(factors(&grid, 50), "5 cells x 10 seeds");
     }
 
     #[test]

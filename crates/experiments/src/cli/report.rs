@@ -18,6 +18,9 @@ pub fn execute(args: &ReportArgs, out: &mut dyn Write) -> Result<(), Error> {
     if args.scale.is_some() && args.format != ReportFormat::Png {
         return Err(Error::Input("--scale goes with --format png".into()));
     }
+    if args.runs && matches!(args.format, ReportFormat::Html | ReportFormat::Svg | ReportFormat::Png) {
+        return Err(Error::Input("--runs goes with --format table, json or csv".into()));
+    }
     let notes = match args.format {
         ReportFormat::Html => write_page(args, out)?,
         ReportFormat::Svg => write_figures(args, FigureFormat::Svg, out)?,
@@ -40,19 +43,17 @@ fn print_report(args: &ReportArgs, out: &mut dyn Write) -> Result<Vec<String>, E
         return Err(Error::Input("--out, --drives and --drive go with --format html, svg or png".into()));
     }
     let report = report::load(&args.dir)?;
-    if args.runs {
-        print(out, &report.runs_table())?; // ends with the notes, as the table does
-        return Ok(Vec::new());
-    }
-    match args.format {
-        ReportFormat::Json => print(out, &report.json())?,
-        ReportFormat::Csv => print(out, &report.csv())?,
-        _ => {
-            print(out, &report.table())?;
-            return Ok(Vec::new());
-        }
-    }
-    Ok(report.notes())
+    let text = match (args.format, args.runs) {
+        (ReportFormat::Json, false) => report.json(),
+        (ReportFormat::Json, true) => report.runs_json(),
+        (ReportFormat::Csv, false) => report.csv(),
+        (ReportFormat::Csv, true) => report.runs_csv(),
+        (_, false) => report.table(),
+        (_, true) => report.runs_table(),
+    };
+    print(out, &text)?;
+    // Tables end with the notes.
+    Ok(if args.format == ReportFormat::Table { Vec::new() } else { report.notes() })
 }
 
 fn write_page(args: &ReportArgs, out: &mut dyn Write) -> Result<Vec<String>, Error> {

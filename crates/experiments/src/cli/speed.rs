@@ -9,11 +9,11 @@ use headway_policy::Policy;
 use crate::Error;
 use crate::candidate::Candidate;
 use crate::evaluate::ScenarioSet;
-use crate::plan::{evaluation_key, scenarios_name};
-use crate::spec::{EvaluateWorld, Grid, PolicySpec, RunSpec};
+use crate::plan::{Plan, Run};
+use crate::spec::{EvaluateWorld, PolicySpec, RunSpec};
 use crate::train::Training;
 
-/// Cells that are tried at most, spread over the grid.
+/// Cells that are tried at most, spread over the grid; cells that share a run count as one.
 const N_CELLS: usize = 6;
 /// How long a training is tried.
 const TRAINING: Duration = Duration::from_millis(250);
@@ -41,47 +41,47 @@ pub(super) struct Cost {
     pub(super) n_cells: usize,
 }
 
-/// What one cell was found to cost, seconds: one run, and one of its sets of scenarios.
+/// What one run was found to cost, seconds, and one of its sets of scenarios.
 struct Trial {
     training: f64,
     driving: f64,
     scenarios: f64,
 }
 
-/// Tries some cells of a grid.
+/// Tries some runs of a plan with one seed; `n_seeds` is how many each of them stands for.
 ///
 /// # Errors
 /// If a training or an evaluation fails.
-pub(super) fn cost(grid: &Grid) -> Result<Cost, Error> {
-    let stride = grid.cells.len().div_ceil(N_CELLS).max(1);
-    let trials = grid.cells.iter().step_by(stride).map(|cell| Trial::of(&cell.spec));
-    let trials = trials.collect::<Result<Vec<_>, _>>()?;
-    let n_sets = n_scenario_sets(grid)?;
-    let mean = |of: fn(&Trial) -> f64| trials.iter().map(of).sum::<f64>() / trials.len() as f64;
+pub(super) fn cost(plan: &Plan<'_>, n_seeds: impl Fn(&Run<'_>) -> u64) -> Result<Cost, Error> {
+    let stride = plan.runs.len().div_ceil(N_CELLS).max(1);
+    let tried = plan.runs.iter().step_by(stride);
+    let trials = tried.map(|run| Ok((n_seeds(run) as f64, Trial::of(run.spec, &evaluations(run))?)));
+    let trials = trials.collect::<Result<Vec<_>, Error>>()?;
+    let n_runs: f64 = trials.iter().map(|(n, _)| n).sum();
+    let mean = |of: fn(&Trial) -> f64| trials.iter().map(|(n, trial)| n * of(trial)).sum::<f64>() / n_runs;
     Ok(Cost {
         training: mean(|trial| trial.training),
         driving: mean(|trial| trial.driving),
-        scenarios: mean(|trial| trial.scenarios) * n_sets as f64,
-        replay_bytes: replay_bytes(grid)?,
+        scenarios: mean(|trial| trial.scenarios) * n_scenario_sets(plan) as f64,
+        replay_bytes: replay_bytes(plan)?,
         n_cells: trials.len(),
     })
 }
 
+/// The worlds that a run is evaluated in, each with the spec that says how.
+fn evaluations<'a>(run: &Run<'a>) -> Vec<(&'a RunSpec, &'a EvaluateWorld)> {
+    run.evaluations.iter().map(|evaluation| (evaluation.spec, evaluation.world)).collect()
+}
+
 /// How many sets of scenarios there are to make.
-fn n_scenario_sets(grid: &Grid) -> Result<usize, Error> {
-    let mut names = HashSet::new();
-    for spec in grid.cells.iter().map(|cell| &cell.spec) {
-        for world in &spec.evaluate.worlds {
-            names.insert(scenarios_name(spec, &evaluation_key(spec, world)?)?);
-        }
-    }
-    Ok(names.len())
+fn n_scenario_sets(plan: &Plan<'_>) -> usize {
+    plan.runs.iter().flat_map(|run| &run.evaluations).map(|of| &of.scenarios).collect::<HashSet<_>>().len()
 }
 
 /// The most that the replay of a run takes in any cell, bytes.
-fn replay_bytes(grid: &Grid) -> Result<u64, Error> {
+fn replay_bytes(plan: &Plan<'_>) -> Result<u64, Error> {
     let mut most = 0;
-    for spec in grid.cells.iter().map(|cell| &cell.spec).filter(|spec| spec.policy.is_learned()) {
+    for spec in plan.runs.iter().map(|run| run.spec).filter(|spec| spec.policy.is_learned()) {
         let obs_dim = spec.training().build().map_err(Error::failure)?.obs_dim();
         most = most.max(spec.agent.replay_bytes(obs_dim, spec.train.n_steps));
     }
@@ -89,25 +89,21 @@ fn replay_bytes(grid: &Grid) -> Result<u64, Error> {
 }
 
 impl Trial {
-    fn of(spec: &RunSpec) -> Result<Self, Error> {
+    fn of(spec: &RunSpec, evaluations: &[(&RunSpec, &EvaluateWorld)]) -> Result<Self, Error> {
         let (seconds_per_step, candidate) = match &spec.policy {
             PolicySpec::Learned {} => train(spec).map(|(time, policy)| (time, Candidate::policy(Arc::new(policy))))?,
             PolicySpec::File { path } => (0.0, Candidate::load(path)?),
             driver => (0.0, Candidate::driver_of(driver.driver().expect("all others are classical drivers"))),
         };
-        let candidate = candidate.shielded(spec.shield());
         let (mut driving, mut scenarios) = (0.0, 0.0);
-        for world in &spec.evaluate.worlds {
-            let (making_one, driving_one) = evaluate(spec, world, &candidate)?;
-            scenarios += making_one;
-            driving += driving_one;
+        for (spec, world) in evaluations {
+            let (making_one, driving_one) = evaluate(spec, world, &candidate.clone().shielded(spec.shield()))?;
+            let n_episodes = spec.evaluate.n_episodes as f64;
+            scenarios += making_one * n_episodes;
+            driving += driving_one * n_episodes;
         }
-        let n_episodes = spec.evaluate.n_episodes as f64;
-        Ok(Self {
-            training: seconds_per_step * spec.train.n_steps as f64,
-            driving: driving * n_episodes,
-            scenarios: scenarios * n_episodes / spec.evaluate.worlds.len() as f64,
-        })
+        let training = seconds_per_step * spec.train.n_steps as f64;
+        Ok(Self { training, driving, scenarios: scenarios / evaluations.len() as f64 })
     }
 }
 
@@ -166,12 +162,17 @@ fn scenarios(make: impl Fn(usize) -> Result<ScenarioSet, Error>) -> Result<(Scen
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::spec::Grid;
+
+    fn trial(spec: &RunSpec) -> Trial {
+        Trial::of(spec, &spec.evaluate.worlds.iter().map(|world| (spec, world)).collect::<Vec<_>>()).unwrap()
+    }
 
     #[test]
     fn a_training_shorter_than_its_warm_up_is_tried_too() {
         let mut spec = RunSpec::default();
         (spec.train.n_steps, spec.evaluate.n_episodes) = (32, 10);
-        let Trial { training, driving, scenarios } = Trial::of(&spec).unwrap();
+        let Trial { training, driving, scenarios } = trial(&spec);
         for seconds in [training, driving, scenarios] {
             assert!(seconds > 0.0 && seconds < 10.0, "{training} {driving} {scenarios}");
         }
@@ -184,7 +185,7 @@ mod tests {
         spec.evaluate.n_episodes = 10_000_000;
         spec.evaluate.worlds.iter_mut().for_each(|world| world.time_limit = 1e9);
         let start = Instant::now();
-        assert!(Trial::of(&spec).unwrap().driving > 0.0);
+        assert!(trial(&spec).driving > 0.0);
         assert!(start.elapsed() < Duration::from_secs(20), "{:?}", start.elapsed());
     }
 
@@ -195,7 +196,7 @@ mod tests {
         let level = |key: &str| format!("[[axis]]\nname = \"x\"\nlevels = {{ a = {{}}, b = {{ {key} }} }}");
         let n_sets = |key: &str| {
             std::fs::write(&path, level(key)).unwrap();
-            n_scenario_sets(&Grid::load(&path, &[]).unwrap()).unwrap()
+            n_scenario_sets(&Plan::new(&Grid::load(&path, &[]).unwrap()).unwrap())
         };
         assert_eq!(n_sets("\"agent.gamma\" = 0.9"), 2, "one for each world");
         assert_eq!(n_sets("\"evaluate.seed\" = 1"), 4);

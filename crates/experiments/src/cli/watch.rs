@@ -17,10 +17,10 @@ const PERIOD: Duration = Duration::from_secs(1);
 /// The size of what is no terminal.
 const PAGE: (usize, usize) = (160, usize::MAX);
 
-/// Shows the runs of a results folder; on a terminal again and again, in the same place, until all are done.
+/// Shows the runs of a results folder; on a terminal again and again, in the same place, until all are done or damaged.
 ///
 /// # Errors
-/// [`Error::Input`] if the folder holds no results or a file in it cannot be understood, [`Error::Io`] if it cannot be read or `out`
+/// [`Error::Input`] if the folder holds no results, [`Error::Io`] if it cannot be read or `out`
 /// cannot be written to.
 pub fn execute(args: &WatchArgs, out: &mut dyn Write) -> Result<(), Error> {
     let (mut watcher, term) = (Watcher::new(&args.dir), Term::stdout());
@@ -37,7 +37,7 @@ pub fn execute(args: &WatchArgs, out: &mut dyn Write) -> Result<(), Error> {
         let up = if n_shown > 0 { format!("\x1b[{n_shown}A\r") } else { String::new() };
         print(out, &format!("{up}{text}\x1b[J"))?;
         n_shown = n;
-        if runs.iter().all(|run| run.stage == Stage::Done) {
+        if runs.iter().all(|run| matches!(run.stage, Stage::Done | Stage::Damaged)) {
             return Ok(());
         }
         thread::sleep(PERIOD);

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
-use super::{Policy, Report, Row, RunRow, TABLE_WIDTH};
-use crate::collapse::Collapse;
+use super::layout::wrapped;
+use super::{Policy, Report, RunRow, TABLE_WIDTH};
+use crate::collapse::{self, Collapse};
 
 /// Which of a cell's seeds collapsed, of those whose training is over.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -26,19 +27,35 @@ pub struct CollapsedSeed {
 }
 
 impl Collapsed {
-    /// Those among the runs of a cell.
-    pub(super) fn of(runs: &[RunRow]) -> Self {
-        let collapsed = runs.iter().filter(|run| !run.collapse.is_empty());
+    /// Those among the runs of a cell, whatever the world.
+    fn in_any_world(runs: &[RunRow]) -> Self {
+        Self::of(runs, |run| run.collapse.clone())
+    }
+
+    /// Those among the runs of a cell by their training, or in this world.
+    pub(super) fn in_world(runs: &[RunRow], world: &str) -> Self {
+        Self::of(runs, |run| run.collapse_in(world).cloned().collect())
+    }
+
+    fn of(runs: &[RunRow], how: impl Fn(&RunRow) -> Vec<Collapse>) -> Self {
+        let seeds = runs.iter().map(|run| CollapsedSeed { seed: run.seed, how: how(run) });
         Self {
             n_trained: runs.iter().filter(|run| matches!(run.policy, Policy::At(_))).count(),
-            seeds: collapsed.map(|run| CollapsedSeed { seed: run.seed, how: run.collapse.clone() }).collect(),
+            seeds: seeds.filter(|seed| !seed.how.is_empty()).collect(),
         }
     }
 
-    /// For example `3 of 5 seeds collapsed: makes no progress (seeds 0, 2), times out (seeds 0 to 2)`; nothing if none did.
+    /// How many collapsed; `None` where nothing was trained.
+    pub fn n(&self) -> Option<usize> {
+        (self.n_trained > 0).then_some(self.seeds.len())
+    }
+
+    /// For example `3 of 5 seeds collapsed: makes no progress (seeds 0, 2), times out in room (seeds 0 to 2)`; nothing if none did.
     pub fn text(&self) -> Option<String> {
-        let mut kinds: Vec<(&str, Vec<u64>)> = Vec::new();
-        for (seed, how) in self.seeds.iter().flat_map(|of| of.how.iter().map(|how| (of.seed, how.short()))) {
+        let mut kinds: Vec<(String, Vec<u64>)> = Vec::new();
+        for (seed, how) in
+            self.seeds.iter().flat_map(|of| collapse::kinds(&of.how).into_iter().map(|how| (of.seed, how)))
+        {
             match kinds.iter_mut().find(|(kind, _)| *kind == how) {
                 Some((_, seeds)) => seeds.push(seed),
                 None => kinds.push((how, vec![seed])),
@@ -73,7 +90,7 @@ impl Serialize for Collapsed {
 }
 
 impl Report {
-    /// How many of the runs that were trained collapsed, and how many were trained; runs that cells share count once.
+    /// How many of the runs that were trained collapsed, in whatever world, and how many were trained; runs that cells share count once.
     pub(super) fn n_collapsed(&self) -> (usize, usize) {
         let trained = self.runs.iter().filter(|run| matches!(run.policy, Policy::At(_)));
         // What an evaluation shows may be in one cell only.
@@ -86,48 +103,19 @@ impl Report {
 
     /// The lines that stand below the table: one for each cell of which a seed collapsed.
     pub(super) fn collapsed(&self) -> Vec<String> {
-        let cells = self.rows.chunk_by(|row, next| row.axes == next.axes).map(|rows| &rows[0]);
-        let line = |row: &Row| {
-            let levels: Vec<&str> = row.axes.iter().map(|level| level.level.as_str()).collect();
+        let cells = self.runs.chunk_by(|run, next| run.axes == next.axes);
+        let line = |runs: &[RunRow]| {
+            let levels: Vec<&str> = runs[0].axes.iter().map(|level| level.level.as_str()).collect();
             let start = if levels.is_empty() { String::new() } else { levels.join(" ") + ": " };
-            row.collapsed.text().map(|text| wrapped(&(start + &text)))
+            Collapsed::in_any_world(runs).text().map(|text| wrapped(&(start + &text), TABLE_WIDTH))
         };
         cells.filter_map(line).collect()
     }
 }
 
-/// The text in lines no wider than the table, all but the first of them indented.
-fn wrapped(text: &str) -> String {
-    const INDENT: &str = "    ";
-    let (mut lines, mut width) = (String::new(), 0);
-    for word in text.split(' ') {
-        let n = word.chars().count();
-        if width > 0 && width + 1 + n > TABLE_WIDTH {
-            lines.push('\n');
-            lines.push_str(INDENT);
-            width = INDENT.len();
-        } else if width > 0 {
-            lines.push(' ');
-            width += 1;
-        }
-        lines.push_str(word);
-        width += n;
-    }
-    lines
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn long_lines_are_wrapped() {
-        let text = wrapped(&["word"; 60].join(" "));
-        assert!(text.lines().all(|line| line.chars().count() <= TABLE_WIDTH));
-        assert!(text.lines().skip(1).all(|line| line.starts_with("    word")));
-        assert_eq!(text.split_whitespace().count(), 60);
-        assert_eq!(wrapped("a b"), "a b");
-    }
 
     #[test]
     fn seeds_in_a_row_are_a_range() {
@@ -138,10 +126,10 @@ mod tests {
     #[test]
     fn how_many_and_which() {
         let how = vec![Collapse::Spinning { share: 0.8 }, Collapse::OneAction { entropy: 0.0 }];
-        let other = vec![Collapse::TimesOut { timeouts: 1.0, mean_speed: 0.0 }];
+        let other = vec![Collapse::TimesOut { world: "room".into(), timeouts: 1.0, mean_speed: 0.0 }];
         let seeds = vec![CollapsedSeed { seed: 0, how }, CollapsedSeed { seed: 3, how: other }];
         let collapsed = Collapsed { n_trained: 5, seeds };
-        let text = "2 of 5 seeds collapsed: spins (seed 0), has one action (seed 0), times out (seed 3)";
+        let text = "2 of 5 seeds collapsed: spins (seed 0), has one action (seed 0), times out in room (seed 3)";
         assert_eq!(collapsed.text().unwrap(), text);
         assert_eq!(Collapsed { n_trained: 5, seeds: Vec::new() }.text(), None);
     }

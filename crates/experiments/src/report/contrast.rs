@@ -1,15 +1,17 @@
 //! The levels of one axis beside each other, the other axes alike: what a change is worth, and whether it can be told from luck.
 
+mod collapsed;
 mod records;
 mod settings;
 mod table;
 
+pub use settings::{LevelSettings, SomeSettings};
 pub(super) use table::{difference_text, probability_text, seeds_text};
 
 use headway_stats::{Bootstrap, Estimate, Interval, MIN_UNITS, Scores, improvement_bootstrap, over_units, sign_flip};
 use serde::Serialize;
 
-use super::{Report, RunRow};
+use super::{Policy, Report, RunRow};
 use crate::Error;
 use crate::episode::{Metric, SeedSummary};
 use crate::store::{AxisLevel, Id};
@@ -22,14 +24,16 @@ const MOST_P: f64 = 0.05;
 
 /// Every level of one axis against one of them, made by [`Report::contrasts`].
 ///
-/// [`table`](Self::table), [`json`](Self::json) and [`csv`](Self::csv) show the same contrasts; [`settings`](Self::settings) says what
-/// else differs between the two sides.
+/// [`table`](Self::table), [`json`](Self::json) and [`csv`](Self::csv) show the same contrasts; [`settings`](Self::settings), which
+/// the first two have too, say what else differs between the two sides.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Contrasts {
     /// The axis, or [`WORLD`].
     pub over: String,
     /// The level that the others are held against.
     pub base: String,
+    /// For each level what differs in its training, from [`with_settings`](Self::with_settings); none before.
+    pub settings: Vec<LevelSettings>,
     /// One or more: for each other level and each setting of all the rest, in the order of the grid.
     pub contrasts: Vec<Contrast>,
     /// Number of cells in a world that are of another level, and have nothing to be held against.
@@ -49,6 +53,9 @@ pub struct Contrast {
     pub runs: Option<[Id; 2]>,
     /// Number of training seeds that both have.
     pub n_seeds: usize,
+    /// Of how many of these the policy collapsed, the level's and the base's: by its training, or in that world. `None` where nothing was
+    /// trained.
+    pub n_collapsed: [Option<usize>; 2],
     /// In the order of [`Metric::ALL`].
     pub differences: [Difference; Metric::ALL.len()],
 }
@@ -76,6 +83,8 @@ struct Arm<'a> {
     axes: Vec<AxisLevel>,
     world: Option<String>,
     level: String,
+    /// The name of the world that its seeds were evaluated in.
+    evaluated_in: &'a str,
     seeds: Vec<(&'a RunRow, &'a SeedSummary)>,
 }
 
@@ -125,7 +134,8 @@ impl Report {
             )));
         }
         let n_alone = others().count() - contrasts.len();
-        Ok(Contrasts { over: over.to_owned(), base: base.to_owned(), contrasts, n_alone })
+        let (over, base, settings) = (over.to_owned(), base.to_owned(), Vec::new());
+        Ok(Contrasts { over, base, settings, contrasts, n_alone })
     }
 
     /// What can be compared over an axis.
@@ -145,13 +155,13 @@ impl<'a> Arm<'a> {
     /// The runs of a cell in the `k`-th of their worlds; without an axis, the world is the level.
     fn new(axis: Option<usize>, runs: &'a [RunRow], k: usize) -> Self {
         let mut axes = runs[0].axes.clone();
-        let world = runs[0].summaries[k].0.clone();
+        let evaluated_in = &runs[0].summaries[k].0;
         let (level, world) = match axis {
-            Some(axis) => (axes.remove(axis).level, Some(world)),
-            None => (world, None),
+            Some(axis) => (axes.remove(axis).level, Some(evaluated_in.clone())),
+            None => (evaluated_in.clone(), None),
         };
         let seeds = runs.iter().filter_map(|run| Some((run, run.summaries[k].1.as_ref()?))).collect();
-        Self { axes, world, level, seeds }
+        Self { axes, world, level, evaluated_in, seeds }
     }
 
     fn against(&self, base: &Self) -> Contrast {
@@ -167,8 +177,19 @@ impl<'a> Arm<'a> {
             level: self.level.clone(),
             runs: pairs.first().map(|((level, _), (base, _))| [level.train_id.clone(), base.train_id.clone()]),
             n_seeds: pairs.len(),
+            n_collapsed: [
+                self.n_collapsed(pairs.iter().map(|((run, _), _)| *run)),
+                base.n_collapsed(pairs.iter().map(|(_, (run, _))| *run)),
+            ],
             differences: Metric::ALL.map(|metric| Difference::new(&defined(metric).collect::<Vec<_>>())),
         }
+    }
+
+    /// How many of some of its runs collapsed; none if none was trained.
+    fn n_collapsed(&self, runs: impl Iterator<Item = &'a RunRow>) -> Option<usize> {
+        let trained: Vec<&RunRow> = runs.filter(|run| matches!(run.policy, Policy::At(_))).collect();
+        let collapsed = trained.iter().filter(|run| run.collapse_in(self.evaluated_in).next().is_some());
+        (!trained.is_empty()).then(|| collapsed.count())
     }
 }
 

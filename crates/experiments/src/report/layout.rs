@@ -52,3 +52,37 @@ fn line(columns: &[&Column], i: usize) -> String {
     }
     line.trim_end().to_owned()
 }
+
+/// The text in lines of at most `n_most` characters (long words aside), all but the first of them indented.
+pub(crate) fn wrapped(text: &str, n_most: usize) -> String {
+    const INDENT: &str = "    ";
+    let (mut lines, mut width) = (String::new(), 0);
+    for word in text.split(' ') {
+        let n = word.chars().count();
+        if width > 0 && width + 1 + n > n_most {
+            lines.push('\n');
+            lines.push_str(INDENT);
+            width = INDENT.len();
+        } else if width > 0 {
+            lines.push(' ');
+            width += 1;
+        }
+        lines.push_str(word);
+        width += n;
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_lines_are_wrapped() {
+        let text = wrapped(&["word"; 60].join(" "), 50);
+        assert!(text.lines().all(|line| line.chars().count() <= 50));
+        assert!(text.lines().skip(1).all(|line| line.starts_with("    word")));
+        assert_eq!(text.split_whitespace().count(), 60);
+        assert_eq!(wrapped("a b", 50), "a b");
+    }
+}

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::{Collapsed, Interval, Policy, Report, Row, RunRow};
 use crate::collapse::{Collapse, of_evaluation};
 use crate::episode::SeedSummary;
-use crate::store::{Cell, Index, IndexedRun, RESULTS_VERSION, RunFolder, RunInfo, State, StoreError};
+use crate::store::{Cell, Id, Index, IndexedRun, RESULTS_VERSION, RunFolder, RunInfo, State, StoreError, damage};
 
 /// The report on the grid in the results folder at `root`, as far as it has come; needs no lock.
 ///
@@ -24,20 +24,25 @@ pub fn load(root: &Path) -> Result<Report, StoreError> {
         for (k, evaluation) in cell.evaluations.iter().enumerate() {
             let seeds: Vec<SeedSummary> = loaded.iter().filter_map(|run| run.summaries[k].1).collect();
             let row = Row::of_seeds(cell.axes.clone(), evaluation.world.clone(), &seeds);
-            rows.push(Row { collapsed: Collapsed::of(&loaded), ..row });
+            rows.push(Row { collapsed: Collapsed::in_world(&loaded, &evaluation.world), ..row });
         }
         runs.extend(loaded);
     }
-    let n_complete = runs.iter().filter(|run| run.is_complete()).count();
+    // Cells may share a run, which is complete when it is in all of them.
+    let completeness = runs.iter().fold(BTreeMap::new(), |mut all, run| {
+        *all.entry(&run.train_id).or_insert(true) &= run.is_complete();
+        all
+    });
+    let (n_complete, n_runs) = (completeness.values().filter(|is_complete| **is_complete).count(), completeness.len());
     let axes = index.axes.into_iter().map(|axis| axis.name).collect();
-    let (n_runs, warnings) = (runs.len(), found.warnings());
+    let warnings = found.warnings();
     Ok(Report { axes, rows, runs, interval: Interval::Seeds, n_complete, n_runs, warnings })
 }
 
 /// What a reader of the runs must know.
 #[derive(Default)]
 struct Found {
-    infos: Vec<RunInfo>,
+    infos: BTreeMap<Id, RunInfo>,
     /// A line for each damaged folder; cells may share it.
     damage: Vec<String>,
 }
@@ -48,7 +53,7 @@ impl Found {
         let state = folder.state()?;
         let is_trained = self.is_whole(&state);
         if is_trained {
-            self.infos.push(folder.info()?);
+            self.infos.insert(run.train_id.clone(), folder.info()?);
         }
         let mut summaries = Vec::new();
         for evaluation in &cell.evaluations {
@@ -70,7 +75,7 @@ impl Found {
 
     fn is_whole(&mut self, state: &State) -> bool {
         if let State::Damaged { folder, what } = state {
-            let line = format!("`{}` is damaged: {what}; `experiments run` will redo it", folder.display());
+            let line = damage(folder, what);
             if !self.damage.contains(&line) {
                 self.damage.push(line);
             }
@@ -80,8 +85,8 @@ impl Found {
 
     /// What sets some of the runs apart from the others, or all of them from this program, and what is damaged.
     fn warnings(self) -> Vec<String> {
-        let versions = counts(self.infos.iter().map(|info| info.results_version.to_string()));
-        let revisions = counts(self.infos.iter().map(|info| info.revision.clone()));
+        let versions = counts(self.infos.values().map(|info| info.results_version.to_string()));
+        let revisions = counts(self.infos.values().map(|info| info.revision.clone()));
         let mut warnings = self.damage;
         if versions.len() > 1 {
             warnings.push(format!("runs of several results versions: {}", listed(&versions)));
@@ -101,8 +106,7 @@ impl Found {
 /// What the training left as its verdict, and what the evaluations say.
 fn collapse(folder: &RunFolder, summaries: &[(String, Option<SeedSummary>)]) -> Result<Vec<Collapse>, StoreError> {
     let mut found = folder.collapse()?.unwrap_or_default();
-    let worlds: Option<Vec<SeedSummary>> = summaries.iter().map(|(_, summary)| *summary).collect();
-    found.extend(worlds.and_then(|worlds| of_evaluation(&worlds)));
+    found.extend(summaries.iter().filter_map(|(world, summary)| of_evaluation(world, summary.as_ref()?)));
     Ok(found)
 }
 

@@ -1,5 +1,7 @@
 //! The runs of a results folder, one line each: where each policy lies, and what it is worth.
 
+mod records;
+
 use std::path::PathBuf;
 
 use super::Report;
@@ -22,7 +24,7 @@ pub struct RunRow {
     pub summaries: Vec<(String, Option<SeedSummary>)>,
     /// Where the policy lies.
     pub policy: Policy,
-    /// How the policy collapsed, by its training and by its evaluations; nothing of one that was not trained.
+    /// How the policy collapsed, by its training and by its evaluation in each world; nothing of one that was not trained.
     pub collapse: Vec<Collapse>,
 }
 
@@ -44,6 +46,11 @@ impl RunRow {
     pub fn is_complete(&self) -> bool {
         matches!(self.policy, Policy::At(_) | Policy::NotTrained)
             && self.summaries.iter().all(|(_, summary)| summary.is_some())
+    }
+
+    /// How the policy collapsed as far as a world is concerned: by its training, and by its evaluation there.
+    pub fn collapse_in(&self, world: &str) -> impl Iterator<Item = &Collapse> {
+        self.collapse.iter().filter(move |collapse| collapse.concerns(world))
     }
 
     fn success(&self, world: &str) -> String {

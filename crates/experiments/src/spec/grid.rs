@@ -66,7 +66,7 @@ impl Grid {
         self.cells.iter().flat_map(|cell| self.seeds_of(&cell.spec).map(move |seed| (cell, seed)))
     }
 
-    /// How many runs there are.
+    /// How many runs there are; cells that train alike have each their own here, though `experiments run` makes but one for them.
     pub fn n_runs(&self) -> u64 {
         let n_learned = self.cells.iter().filter(|cell| cell.spec.policy.is_learned()).count() as u64;
         n_learned * self.seeds.count + (self.cells.len() as u64 - n_learned)

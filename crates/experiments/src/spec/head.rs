@@ -11,10 +11,11 @@ use super::{Fault, KeyPath};
 use crate::episode::Metric;
 
 /// Columns that reports have beside those of the axes and of the metrics.
-const COLUMNS: [&str; 13] = [
+const COLUMNS: [&str; 22] = [
     "world",
     "seeds",
     "episodes",
+    "collapsed",
     "base",
     "metric",
     "seeds_more",
@@ -25,6 +26,15 @@ const COLUMNS: [&str; 13] = [
     "more",
     "more_low",
     "more_high",
+    "collapsed_base",
+    // Of the list of runs, here and on pages.
+    "cell",
+    "seed",
+    "run",
+    "id",
+    "policy",
+    "path",
+    "collapse",
 ];
 
 /// What stands behind a metric's name in the columns that belong to it.

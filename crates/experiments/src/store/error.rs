@@ -68,6 +68,21 @@ pub enum StoreError {
     },
 }
 
+impl StoreError {
+    /// The damage of a file that is not what this version writes; the error itself if it is another.
+    pub(crate) fn into_damage(self) -> Result<String, Self> {
+        match self {
+            Self::Parse { path, message } => Ok(damage(&path, &message)),
+            other => Err(other),
+        }
+    }
+}
+
+/// The line on a file or folder that is not what was written.
+pub(crate) fn damage(path: &Path, what: &str) -> String {
+    format!("`{}` is damaged: {what}; `experiments run` will redo it", path.display())
+}
+
 impl From<StoreError> for Error {
     fn from(error: StoreError) -> Self {
         match error {

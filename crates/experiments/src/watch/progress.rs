@@ -7,7 +7,7 @@ use std::time::{Duration, SystemTime};
 
 use crate::collapse::{Collapse, of_evaluation, of_training};
 use crate::episode::SeedSummary;
-use crate::store::{AxisLevel, Cell, Id, Index, IndexedRun, RunFolder, StoreError};
+use crate::store::{AxisLevel, Cell, Id, Index, IndexedRun, RunFolder, State, StoreError, damage};
 use crate::train::MetricsRow;
 
 /// Time without news after which a run counts as stalled, unless its rows take longer than that anyway.
@@ -28,6 +28,8 @@ pub enum Stage {
     Evaluating,
     /// All that the grid wants of it is there.
     Done,
+    /// A file in its folder is not what was written.
+    Damaged,
 }
 
 /// One run of a grid as its folder shows it.
@@ -49,6 +51,8 @@ pub struct RunProgress {
     pub success: Vec<Option<f64>>,
     /// How it has collapsed, as far as one can see.
     pub collapse: Vec<Collapse>,
+    /// What is damaged, if it is, and what can be done.
+    pub damage: Option<String>,
 }
 
 /// A reader of a results folder that looks again and again; what is finished it reads but once.
@@ -67,7 +71,7 @@ impl Watcher {
     /// The grid and its runs, cell by cell, as they are now.
     ///
     /// # Errors
-    /// If the folder holds no results, or a file in it is not what this version reads.
+    /// If the folder holds no results, or a file in it cannot be read.
     pub fn look(&mut self) -> Result<(Index, Vec<RunProgress>), StoreError> {
         let index = Index::load(&self.root)?;
         let mut runs = Vec::new();
@@ -86,7 +90,9 @@ impl Watcher {
         if let Some(done) = self.done.get(&key).filter(|done| done.success.len() == n_worlds) {
             return Ok(done.clone());
         }
-        let progress = RunProgress::read(&RunFolder::new(&self.root, &run.train_id), cell, run.seed)?;
+        let folder = RunFolder::new(&self.root, &run.train_id);
+        let progress = RunProgress::read(&folder, cell, run.seed);
+        let progress = progress.or_else(|error| Ok(RunProgress::damaged(cell, run.seed, error.into_damage()?)))?;
         if progress.stage == Stage::Done {
             self.done.insert(key, progress.clone());
         }
@@ -108,10 +114,13 @@ impl RunProgress {
             Some(_) if clock.is_stalled(rows.len()) => Stage::Stalled,
             Some(_) => Stage::Training,
         };
+        if let Some(damage) = (stage == Stage::Done).then(|| damage_of(folder, cell)).transpose()?.flatten() {
+            return Ok(Self::damaged(cell, seed, damage));
+        }
         let mut collapse = of_training(&rows);
-        if stage == Stage::Done && !rows.is_empty() {
-            let worlds: Vec<SeedSummary> = summaries.iter().flatten().copied().collect();
-            collapse.extend(of_evaluation(&worlds));
+        if !rows.is_empty() {
+            let worlds = cell.evaluations.iter().map(|evaluation| &evaluation.world).zip(&summaries);
+            collapse.extend(worlds.filter_map(|(world, summary)| of_evaluation(world, summary.as_ref()?)));
         }
         Ok(Self {
             axes: cell.axes.clone(),
@@ -122,7 +131,23 @@ impl RunProgress {
             rows,
             success: summaries.iter().map(|summary| summary.and_then(|summary| summary.success)).collect(),
             collapse,
+            damage: None,
         })
+    }
+
+    /// A run of which a file is not what was written; what it had come to is not known.
+    fn damaged(cell: &Cell, seed: u64, damage: String) -> Self {
+        Self {
+            axes: cell.axes.clone(),
+            seed,
+            stage: Stage::Damaged,
+            n_steps: None,
+            rows: Vec::new(),
+            steps_per_second: None,
+            success: vec![None; cell.evaluations.len()],
+            collapse: Vec::new(),
+            damage: Some(damage),
+        }
     }
 
     /// The share of the training that is over, in \[0, 1\]; none where nothing is trained.
@@ -177,6 +202,17 @@ fn summaries(folder: &RunFolder, cell: &Cell) -> Result<Vec<Option<SeedSummary>>
         evaluation.has_finished().then(|| Ok(SeedSummary::of(&evaluation.episodes()?))).transpose()
     };
     cell.evaluations.iter().map(|evaluation| summary(&evaluation.eval_id)).collect()
+}
+
+/// What of a run that has finished, and of its evaluations, is no longer what was written.
+fn damage_of(folder: &RunFolder, cell: &Cell) -> Result<Option<String>, StoreError> {
+    let evaluations = cell.evaluations.iter().map(|evaluation| folder.evaluation(&evaluation.eval_id).state());
+    for state in std::iter::once(folder.state()).chain(evaluations) {
+        if let State::Damaged { folder, what } = state? {
+            return Ok(Some(damage(&folder, &what)));
+        }
+    }
+    Ok(None)
 }
 
 /// `train.n_steps` of the run's spec, if something is trained.

@@ -1,7 +1,7 @@
 //! The table that is shown.
 
 use super::{RunProgress, Stage, sparkline};
-use crate::collapse::Collapse;
+use crate::collapse;
 use crate::report::layout::{Align, Column, lines, width};
 use crate::store::{Cell, Index};
 use crate::train::MetricsRow;
@@ -12,6 +12,8 @@ const CURVE: usize = 16;
 /// Columns that are kept for the last one, and lines for what is no run: title, header, foot, and where the cursor stands.
 const LAST: usize = 18;
 const N_OTHER_LINES: usize = 7;
+/// Lines on damage that a terminal has at most.
+const N_DAMAGES: usize = 3;
 /// What stands where there is no number.
 const UNDEFINED: &str = "–";
 
@@ -39,9 +41,11 @@ pub struct View {
 
 impl View {
     /// The view of a grid's runs, in a terminal of so many columns and lines. Where there is no room for all columns, the least
-    /// important ones leave; where there is none for all runs, those that are done or waiting do, and a line says how many.
+    /// important ones leave; where there is none for all runs, those that are done or waiting do, and a line says how many. What is
+    /// damaged is told below.
     pub fn new(index: &Index, runs: &[RunProgress], n_columns: usize, n_lines: usize) -> Self {
-        let shown = shown(runs, n_lines.saturating_sub(N_OTHER_LINES).max(1));
+        let damages = damages(runs, if n_lines == usize::MAX { n_lines } else { N_DAMAGES });
+        let shown = shown(runs, n_lines.saturating_sub(N_OTHER_LINES + damages.len()).max(1));
         let mut columns = columns(index, &shown);
         while fixed_width(&columns) + LAST > n_columns {
             let Some(least) = columns.iter().map(|(rank, _)| *rank).max().filter(|rank| *rank > 0) else { break };
@@ -54,6 +58,7 @@ impl View {
             lines.push((format!("and {} more runs, done or waiting", runs.len() - shown.len()), Tone::Faint));
         }
         lines.extend(worlds(index).map(|worlds| (worlds, Tone::Faint)));
+        lines.extend(damages.into_iter().map(|damage| (damage, Tone::Alarm)));
         Self { title: title(index, runs), lines }
     }
 }
@@ -72,6 +77,23 @@ fn worlds(index: &Index) -> Option<String> {
     is_common.then(|| format!("success in {}", first.join(" / ")))
 }
 
+/// What is damaged, each once; of more than `n_most` the first, and how many more.
+fn damages(runs: &[RunProgress], n_most: usize) -> Vec<String> {
+    let mut damages: Vec<String> = Vec::new();
+    for damage in runs.iter().filter_map(|run| run.damage.as_ref()) {
+        let line = format!("warning: {damage}");
+        if !damages.contains(&line) {
+            damages.push(line); // cells may share a run
+        }
+    }
+    if damages.len() > n_most {
+        let n_more = damages.len() - (n_most - 1);
+        damages.truncate(n_most - 1);
+        damages.push(format!("and {n_more} more are damaged"));
+    }
+    damages
+}
+
 /// How far the grid is: `table1: 3 of 40 runs done, 2 training, 35 waiting; 1 of 4 collapsed`.
 fn title(index: &Index, runs: &[RunProgress]) -> String {
     let count = |stage| runs.iter().filter(|run| run.stage == stage).count();
@@ -80,6 +102,7 @@ fn title(index: &Index, runs: &[RunProgress]) -> String {
         (Stage::Training, "training"),
         (Stage::Evaluating, "evaluating"),
         (Stage::Stalled, "stalled"),
+        (Stage::Damaged, "damaged"),
         (Stage::Waiting, "waiting"),
     ] {
         if count(stage) > 0 {
@@ -97,7 +120,7 @@ fn title(index: &Index, runs: &[RunProgress]) -> String {
 /// The runs for which there is room, in their order: those that need attention first, then those done, then those to come.
 fn shown(runs: &[RunProgress], n_max: usize) -> Vec<&RunProgress> {
     let rank = |run: &RunProgress| match run.stage {
-        Stage::Training | Stage::Evaluating | Stage::Stalled => 0,
+        Stage::Training | Stage::Evaluating | Stage::Stalled | Stage::Damaged => 0,
         Stage::Done => 1,
         Stage::Waiting => 2,
     };
@@ -110,10 +133,11 @@ fn shown(runs: &[RunProgress], n_max: usize) -> Vec<&RunProgress> {
 
 fn tone(run: &RunProgress) -> Tone {
     match run.stage {
-        _ if !run.collapse.is_empty() || run.stage == Stage::Stalled => Tone::Alarm,
+        _ if !run.collapse.is_empty() => Tone::Alarm,
+        Stage::Stalled | Stage::Damaged => Tone::Alarm,
         Stage::Training | Stage::Evaluating => Tone::Active,
         Stage::Waiting => Tone::Faint,
-        Stage::Done | Stage::Stalled => Tone::Plain,
+        Stage::Done => Tone::Plain,
     }
 }
 
@@ -151,6 +175,7 @@ fn stage_name(stage: Stage) -> &'static str {
         Stage::Stalled => "stalled",
         Stage::Evaluating => "evaluating",
         Stage::Done => "done",
+        Stage::Damaged => "damaged",
     }
 }
 
@@ -176,7 +201,7 @@ fn success(run: &RunProgress) -> String {
 }
 
 fn collapsed(run: &RunProgress) -> String {
-    run.collapse.iter().map(Collapse::short).collect::<Vec<_>>().join(", ")
+    collapse::kinds(&run.collapse).join(", ")
 }
 
 /// Digits in groups of three: `12 500`.

@@ -85,6 +85,14 @@ fn a_metric_that_is_none_is_met_with_their_names() {
     assert_eq!(output.status.code(), Some(2));
 }
 
+#[test]
+fn a_list_of_runs_is_no_page() {
+    let folder = TempDir::new().unwrap();
+    let output = experiments(folder.path(), &["report", "results", "--runs", "--format", "html"]);
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "error: --runs goes with --format table, json or csv\n");
+    assert_eq!(output.status.code(), Some(2));
+}
+
 /// The help said "one object", which it is not.
 #[test]
 fn the_help_says_what_the_json_is() {

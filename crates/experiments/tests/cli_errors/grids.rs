@@ -21,6 +21,11 @@ fn axes_and_levels() {
             "spec.toml:2: axis.0.name = \"world\": is the name of a column of reports; give the axis another",
         ),
         (
+            "[[axis]]\nname = \"policy\"\nlevels = { x = {} }",
+            &[],
+            "spec.toml:2: axis.0.name = \"policy\": is the name of a column of reports; give the axis another",
+        ),
+        (
             "[[axis]]\nname = \"a\"\n[axis.levels]\nx = {}\nx = {}",
             &[],
             "spec.toml:5: not valid TOML: duplicate key `x`; levels, like all keys, need names of their own",

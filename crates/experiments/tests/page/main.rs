@@ -125,7 +125,7 @@ fn it_says_which_seeds_collapsed_and_what_cells_are() {
         assert_eq!(page.contains(&link), is_trained);
         let (_, runs) = page.split_once(&format!("<details id=\"runs-{row}\">")).unwrap();
         let (runs, _) = runs.split_once("</details>").unwrap();
-        let n_verdicts = runs.matches("times out (100 % of evaluation episodes").count();
+        let n_verdicts = runs.matches("times out in room (100 % of evaluation episodes").count();
         assert_eq!(n_verdicts, if is_trained { 2 } else { 0 });
         assert_eq!(runs.contains(">collapsed</th>"), is_trained);
     }

@@ -2,7 +2,7 @@
 
 use headway_experiments::episode::Metric;
 use headway_experiments::report::Contrasts;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::{Fixture, assert_text, skill};
 
@@ -29,6 +29,7 @@ DDQN   room_10x15  R_couple             +75.00       1.00      4/4              
 DDQN   room_25x25  R_couple             +75.00       1.00      4/4               0.000       0.50      0/3
                               +50.00 to +93.75  1.00–1.00  p 0.125      0.000 to 0.000  0.50–0.50  p 1.000
 Each `reward` less `R`, the other axes alike, paired over 4 seeds; below it its 95 % bootstrap interval over them.
+Intervals over 3 to 5 seeds are too narrow: over 3 each is the range of the seeds, which misses the mean 1 time in 4.
 P(more): how likely a run is to have more than one of the other's, ties by half; seeds more: in how many of the pairs.
 p: how likely differences as large as these are if the two are drawn alike (sign-flip test; 0.05 takes 6 seeds).
 Of 4 differences that are all luck, 0.2 at most have p of 0.05 or less, on average.
@@ -65,6 +66,23 @@ fn what_does_not_fit_is_named() {
     assert_text(&table, &format!("\n{table}"));
 }
 
+/// They stood beside the table alone, and not in JSON.
+#[test]
+fn settings_that_differ_are_in_the_table_and_in_json() {
+    let fixture = Fixture::new(2, skill);
+    let contrasts = fixture.report().contrasts("agent", None).unwrap();
+    assert!(!contrasts.table(&[Metric::Success]).contains("differ in"), "not read yet");
+    let contrasts = contrasts.with_settings(fixture.path()).unwrap();
+    let table = contrasts.table(&[Metric::Success]);
+    assert_eq!(table.lines().last(), Some("DDQN and DQN differ in cell"), "{table}");
+    let json: Value = serde_json::from_str(&contrasts.json()).unwrap();
+    let expected = json!([{ "level": "DDQN", "in_all_cells": ["cell"], "in_some_cells": [] }]);
+    assert_eq!(json["settings"], expected, "once, whatever the number of worlds");
+    // The same runs in two worlds do not differ in their training.
+    let worlds = fixture.report().contrasts("world", None).unwrap().with_settings(fixture.path()).unwrap();
+    assert!(worlds.settings.is_empty());
+}
+
 #[test]
 fn records_hold_what_the_contrasts_do() {
     let contrasts = contrasts(4, "agent");
@@ -88,7 +106,9 @@ fn records_hold_what_the_contrasts_do() {
             "p",
             "more",
             "more_low",
-            "more_high"
+            "more_high",
+            "collapsed",
+            "collapsed_base"
         ])
     );
     let rows: Vec<_> = rows.records().map(Result::unwrap).collect();

@@ -5,8 +5,8 @@ mod contrasts;
 use std::path::Path;
 
 use headway_experiments::collapse::Collapse;
-use headway_experiments::episode::{EpisodeRecord, Outcome};
-use headway_experiments::report::{Report, TABLE_WIDTH, load, of_policy};
+use headway_experiments::episode::{EpisodeRecord, Outcome, SeedSummary};
+use headway_experiments::report::{Interval, Report, Row, TABLE_WIDTH, load, of_policy};
 use headway_experiments::store::{
     AxisLevel, Cell, EvaluationKey, GridAxis, Id, Index, IndexedEvaluation, IndexedRun, RESULTS_VERSION, RunInfo,
     Stopwatch, Store, TrainKey,
@@ -162,6 +162,7 @@ R_couple  DDQN   room_10x15        100.0        0.0        0.0       0.80       
 R_couple  DDQN   room_25x25        100.0        0.0        0.0       0.90       0.90        0.25       0.06       0.83
                              100.0–100.0    0.0–0.0    0.0–0.0  0.90–0.90  0.90–0.90   0.25–0.25  0.06–0.06  0.83–0.83
 Mean over 4 training seeds, 8 episodes each; below it: 95 % percentile bootstrap over the seeds.
+Intervals over 3 to 5 seeds are too narrow: over 3 each is the range of the seeds, which misses the mean 1 time in 4.
 mean speed: all distance / all time, failures included; near obstacles: clearance < 1 m; needless: the way was clear
 *n: defined in n of the seeds only; the mean is over those
 left out for want of room (see --format json or csv): decelerations_per_m, mean_jerk
@@ -214,6 +215,27 @@ mean speed: all distance / all time, failures included; near obstacles: clearanc
     );
 }
 
+/// The legend spoke of intervals where cells had no seed or one or two, and passed over what few seeds are worth.
+#[test]
+fn the_legend_says_which_seeds_have_intervals() {
+    let legend = |n_seeds: &[usize]| -> Vec<String> {
+        let seed = SeedSummary::of(&episodes(6, 0));
+        let rows = n_seeds.iter().map(|n| Row::of_seeds(Vec::new(), "room".into(), &vec![seed; *n])).collect();
+        let report = Report { rows, interval: Interval::Seeds, ..of_policy(&[("room", Vec::new())]) };
+        let table = report.table();
+        table.lines().skip_while(|line| !line.starts_with("Mean over")).take(2).map(str::to_owned).collect()
+    };
+    let start = "Mean over the training seeds, 8 episodes each; ";
+    assert_eq!(legend(&[2, 1])[0], format!("{start}no intervals below 3 seeds."));
+    let some = "below it, from 3 seeds on: 95 % percentile bootstrap over the seeds.";
+    assert_eq!(legend(&[2, 6])[0], format!("{start}{some}"));
+    assert_eq!(legend(&[6, 0, 7])[0], format!("{start}below it: 95 % percentile bootstrap over the seeds."));
+    let few = "Intervals over 3 to 5 seeds are too narrow: ";
+    for (n_seeds, are_few) in [(&[2, 1][..], false), (&[3], true), (&[9, 5], true), (&[6, 2], false)] {
+        assert_eq!(legend(n_seeds)[1].starts_with(few), are_few, "{n_seeds:?} seeds");
+    }
+}
+
 #[test]
 fn an_unfinished_grid_shows_what_there_is() {
     let fixture = Fixture::new(4, skill);
@@ -247,6 +269,7 @@ R_couple  DDQN   room_10x15      3        100.0        0.0        0.0       0.80
 R_couple  DDQN   room_25x25      3        100.0        0.0        0.0       0.90       0.90        0.25       0.06
                                     100.0–100.0    0.0–0.0    0.0–0.0  0.90–0.90  0.90–0.90   0.25–0.25  0.06–0.06
 Mean over the training seeds, 8 episodes each; below it: 95 % percentile bootstrap over the seeds.
+Intervals over 3 to 5 seeds are too narrow: over 3 each is the range of the seeds, which misses the mean 1 time in 4.
 mean speed: all distance / all time, failures included; near obstacles: clearance < 1 m; needless: the way was clear
 *n: defined in n of the seeds only; the mean is over those
 left out for want of room (see --format json or csv): decelerations_per_m, spl, mean_jerk
@@ -302,7 +325,7 @@ fn a_single_policy_has_no_interval_over_seeds() {
     assert_eq!(rows[0]["spl"].as_object().unwrap().len(), 4, "rates only");
     let (csv, grid) = (report.csv(), Fixture::new(3, skill).report());
     assert!(csv.starts_with("world,seeds,episodes,success,success_low,success_high,collision,"), "{csv}");
-    assert!(csv.lines().next().unwrap().ends_with(",timeout_wilson_low,timeout_wilson_high"), "{csv}");
+    assert!(csv.lines().next().unwrap().ends_with(",timeout_wilson_low,timeout_wilson_high,collapsed"), "{csv}");
     assert!(!grid.json().contains("wilson") && !grid.csv().contains("wilson"));
 }
 
@@ -327,16 +350,48 @@ fn collapsed_seeds_are_named() {
     let times_out = |episode| EpisodeRecord { outcome: Outcome::Timeout, duration: 4.0, distance: 2.0, ..episode };
     run_with(&store, 1, skill(1, 3), &RunInfo::new(3, 1), &[], times_out);
     let report = fixture.report();
-    let line = "R DDQN: 2 of 4 seeds collapsed: spins (seed 2), has one action (seed 2), times out (seed 3)";
+    let line = "R DDQN: 2 of 4 seeds collapsed: spins (seed 2), has one action (seed 2), times out in room_10x15 and room_25x25 (seed 3)";
     let table = report.table();
     assert_eq!(table.lines().filter(|found| found.contains("collapsed")).collect::<Vec<_>>(), [line]);
     let rows: Vec<Value> = serde_json::from_str(&report.json()).unwrap();
     assert_eq!(rows[0]["collapsed"], json!({ "seeds": 0, "of": 4, "verdicts": [] }));
     let how = json!([{ "kind": "spinning", "share": 0.75 }, { "kind": "one_action", "entropy": 0.0 }]);
-    let times_out = json!([{ "kind": "times_out", "timeouts": 1.0, "mean_speed": 0.5 }]);
-    let verdicts = json!([{ "seed": 2, "how": how }, { "seed": 3, "how": times_out }]);
-    assert_eq!(rows[2]["collapsed"], json!({ "seeds": 2, "of": 4, "verdicts": verdicts }));
-    assert_eq!(rows[3]["collapsed"], rows[2]["collapsed"], "of the run, whatever the world");
+    for (row, world) in rows[2..4].iter().zip(WORLDS) {
+        let times_out = json!([{ "kind": "times_out", "world": world, "timeouts": 1.0, "mean_speed": 0.5 }]);
+        let verdicts = json!([{ "seed": 2, "how": how }, { "seed": 3, "how": times_out }]);
+        assert_eq!(row["collapsed"], json!({ "seeds": 2, "of": 4, "verdicts": verdicts }));
+    }
+    assert_eq!(collapsed_column(&report), ["0", "0", "2", "2", "0", "0", "0", "0"]);
+}
+
+/// The column of that name in CSV.
+fn collapsed_column(report: &Report) -> Vec<String> {
+    let csv = report.csv();
+    let mut records = csv::Reader::from_reader(csv.as_bytes());
+    let column = records.headers().unwrap().iter().position(|name| name == "collapsed").unwrap();
+    records.records().map(|record| record.unwrap()[column].to_owned()).collect()
+}
+
+/// A run that drives in one world and times out in the other counted in neither, as one that times out in all of them only did.
+#[test]
+fn a_world_counts_the_seeds_that_time_out_in_it() {
+    let fixture = Fixture::new(4, skill);
+    let times_out_in_second = |episode: EpisodeRecord| match episode.near_time {
+        2.0 => EpisodeRecord { outcome: Outcome::Timeout, duration: 8.0, distance: 2.0, ..episode },
+        _ => episode,
+    };
+    run_with(&Store::open(fixture.path()).unwrap(), 2, skill(2, 3), &RunInfo::new(3, 1), &[], times_out_in_second);
+    let report = fixture.report();
+    let line = "R_couple DQN: 1 of 4 seeds collapsed: times out in room_25x25 (seed 3)";
+    assert_eq!(report.table().lines().filter(|found| found.contains("collapsed")).collect::<Vec<_>>(), [line]);
+    assert_eq!(collapsed_column(&report), ["0", "0", "0", "0", "0", "1", "0", "0"]);
+    let words = "times out in room_25x25 (100 % of evaluation episodes, at 0.25 m/s)";
+    assert_eq!(report.rows[5].collapsed.seeds[0].how[0].describe(), words);
+}
+
+#[test]
+fn nothing_is_said_of_collapse_where_nothing_was_trained() {
+    assert_eq!(collapsed_column(&of_policy(&[("room_10x15", episodes(0, 0))])), [""]);
 }
 
 #[test]
@@ -352,6 +407,47 @@ fn the_list_of_runs() {
     assert_eq!([&lines[10][..3], &lines[10][4..]].concat(), ["R_couple", "DQN", "1", "100.0", "100.0", &policy]);
     assert_eq!(lines[14][4..], ["–", "–", "unfinished"]);
     assert_eq!(text.lines().last().unwrap(), "unfinished: 11 of 12 runs are complete");
+}
+
+/// The list of runs had no form for programs.
+#[test]
+fn records_of_runs_have_all_metrics() {
+    let fixture = Fixture::new(2, skill);
+    let store = Store::open(fixture.path()).unwrap();
+    let times_out = |episode| EpisodeRecord { outcome: Outcome::Timeout, duration: 4.0, distance: 2.0, ..episode };
+    let spins = [Collapse::Spinning { share: 0.75 }];
+    run_with(&store, 1, skill(1, 1), &RunInfo::new(1, 1), &spins, times_out);
+    std::fs::remove_file(fixture.run(3, 0).join("done")).unwrap();
+    let report = fixture.report();
+    let runs: Vec<Value> = serde_json::from_str(&report.runs_json()).unwrap();
+    let csv = report.runs_csv();
+    let mut records = csv::Reader::from_reader(csv.as_bytes());
+    let header: Vec<String> = records.headers().unwrap().iter().map(str::to_owned).collect();
+    let first = ["reward", "agent", "seed", "id", "policy", "path", "world", "episodes", "collapse", "success"];
+    assert_eq!(header[..10], first);
+    let records: Vec<_> = records.records().map(Result::unwrap).collect();
+    assert_eq!((runs.len(), records.len()), (8, 16));
+    for (k, record) in records.iter().enumerate() {
+        let (run, world) = (&runs[k / 2], WORLDS[k % 2]);
+        let numbers = &run["worlds"][world];
+        let is_there = run["policy"] != "unfinished";
+        assert_eq!(is_there, k / 2 != 6);
+        let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+        let (reward, id) = (text(&run["axes"]["reward"]), text(&run["id"]));
+        assert_eq!((&record[0], &record[3], &record[5], &record[6]), (&*reward, &*id, &*text(&run["path"]), world));
+        assert_eq!(record[2].parse::<u64>().unwrap(), run["seed"].as_u64().unwrap());
+        assert_eq!((numbers.is_object(), &record[7]), (is_there, if is_there { "8" } else { "0" }));
+        for (column, name) in header.iter().enumerate().skip(9) {
+            assert_eq!(record[column].parse::<f64>().ok(), numbers[name].as_f64(), "{name} of {record:?}");
+        }
+    }
+    assert_eq!(runs[4]["worlds"]["room_10x15"]["success"], json!(0.875));
+    assert_eq!(runs[6]["worlds"], json!({ "room_10x15": null, "room_25x25": null }));
+    assert_eq!((&records[6][8], &records[0][8]), ("spinning times_out", ""));
+    let kinds: Vec<_> = runs[3]["collapse"].as_array().unwrap().iter().map(|how| how["kind"].clone()).collect();
+    assert_eq!(kinds, ["spinning", "times_out", "times_out"]);
+    assert_eq!(runs[3]["path"], json!(fixture.run(1, 1).join("policy.safetensors")));
+    assert!(runs[6]["path"].is_null());
 }
 
 #[test]
@@ -378,12 +474,10 @@ fn csv_has_a_row_per_cell_and_world() {
     let lines: Vec<_> = text.lines().collect();
     assert_eq!(lines.len(), 1 + 8);
     assert!(lines[0].starts_with("reward,agent,world,seeds,episodes,success,success_low,success_high,collision,"));
-    assert!(
-        lines[0].ends_with(
-            ",mean_jerk,mean_jerk_low,mean_jerk_high,vetoes,vetoes_low,vetoes_high,stops,stops_low,stops_high"
-        )
-    );
-    assert!(lines[1].starts_with("R,DQN,room_10x15,4,32,0,0,0,0.125,0.125,0.125,0.875,"));
+    assert!(lines[0].ends_with(
+        ",mean_jerk,mean_jerk_low,mean_jerk_high,vetoes,vetoes_low,vetoes_high,stops,stops_low,stops_high,collapsed"
+    ));
+    assert!(lines[1].starts_with("R,DQN,room_10x15,4,32,0,0,0,0.125,0.125,0.125,0.875,") && lines[1].ends_with(",0"));
 }
 
 /// The three formats show the same numbers.

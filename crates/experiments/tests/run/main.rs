@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 /// Two cells, one of which shares its run with none, in tiny trainings.
 const SPEC: &str = r#"
@@ -276,6 +276,7 @@ fn cells_that_differ_in_how_they_evaluate_must_be_chosen_from() {
     let compared = bench.json(&["compare", "out", "--over", "reach", "--format", "json"]);
     let (near, far) = (&report[0]["mean_speed"]["mean"], &report[1]["mean_speed"]["mean"]);
     let faster = &compared["contrasts"][0]["mean_speed"]["difference"]["mean"];
+    assert_eq!(compared["settings"][0]["in_all_cells"], json!(["env.reach_radius"]));
     assert!((faster.as_f64().unwrap() - (far.as_f64().unwrap() - near.as_f64().unwrap())).abs() < 1e-12);
     assert_eq!(
         bench.fail(&["compare", "out", "--over", "rech"], 2),
@@ -418,7 +419,10 @@ fn every_run_is_listed_with_its_policy() {
         assert_eq!(policy, run + "/policy.safetensors");
         assert!(bench.path(policy).is_file());
     }
-    assert!(bench.fail(&["report", "out", "--runs", "--format", "csv"], 2).contains("cannot be used with"));
+    let json = bench.json(&["report", "out", "--runs", "--format", "json"]);
+    assert_eq!(json[1]["path"], bench.run("out", 1, 0) + "/policy.safetensors");
+    let csv = bench.succeed(&["report", "out", "--runs", "--format", "csv"]);
+    assert!(csv.starts_with("reach,seed,id,policy,path,world,") && csv.lines().count() == 1 + 2, "{csv}");
 }
 
 /// And a folder that does not exist is refused before anything is driven.

@@ -3,45 +3,97 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use serde::{Serialize, Serializer};
 use toml::Value;
 
-use super::{Contrast, Contrasts};
+use super::Contrasts;
 use crate::Error;
 use crate::difference::changes;
-use crate::report::axes::fewest;
-use crate::store::{Id, RunFolder};
+use crate::report::TABLE_WIDTH;
+use crate::report::axes::shared;
+use crate::report::json::Levels;
+use crate::report::layout::wrapped;
+use crate::store::{AxisLevel, Id, RunFolder};
 
-/// Settings that are named; the others are counted.
-const N_NAMED: usize = 4;
+/// The tables that are told first.
+const FIRST: [&str; 3] = ["reward", "world", "env"];
 
 /// Dotted paths of a spec.
 type Paths = BTreeSet<String>;
 
-/// A contrast with the settings in which its two sides differ.
-type Differing<'a> = (&'a Contrast, Paths);
+/// The levels of a cell, and the settings in which its two sides differ.
+type Differing = (Vec<AxisLevel>, Paths);
+
+/// In which settings the training of a level differs from that of the base: dotted paths of the spec, those of the reward, the world
+/// and the env first. A table of another type stands for all that is in it, a list for its numbers.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct LevelSettings {
+    /// The level.
+    pub level: String,
+    /// Those in which it differs in every cell.
+    #[serde(rename = "in_all_cells")]
+    pub all: Vec<String>,
+    /// Those in which it differs in some cells only, as a `[[when]]` of a grid has it.
+    #[serde(rename = "in_some_cells")]
+    pub some: Vec<SomeSettings>,
+    /// The levels of all cells, of the other axes.
+    #[serde(skip)]
+    cells: Vec<Vec<AxisLevel>>,
+}
+
+/// Settings in which a level differs in some cells only.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct SomeSettings {
+    /// The levels of these cells, of the other axes.
+    #[serde(serialize_with = "as_maps")]
+    pub cells: Vec<Vec<AxisLevel>>,
+    /// The settings.
+    pub paths: Vec<String>,
+}
+
+fn as_maps<S: Serializer>(cells: &[Vec<AxisLevel>], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(cells.iter().map(|cell| Levels(cell)))
+}
 
 impl Contrasts {
-    /// In which settings the training of each level differs from that of the base, and in which more in some cells: a line for each
-    /// level, from the specs in the results folder at `root`. A `[[when]]` of a grid can change more than a level says.
+    /// These contrasts with their [`settings`](Self::settings), from the specs in the results folder at `root`. A `[[when]]` of a grid
+    /// can change more than a level says.
     ///
     /// # Errors
     /// If the spec of a run cannot be read.
-    pub fn settings(&self, root: &Path) -> Result<Vec<String>, Error> {
-        let mut levels: Vec<(&str, Vec<Differing<'_>>)> = Vec::new();
+    pub fn with_settings(mut self, root: &Path) -> Result<Self, Error> {
+        let mut levels: Vec<(String, Vec<Differing>)> = Vec::new();
         for contrast in &self.contrasts {
-            let Some([level, base]) = contrast.runs.as_ref().filter(|[level, base]| level != base) else { continue };
-            let differing = folded(changes(&spec(root, base)?, &spec(root, level)?).into_keys().collect());
-            match levels.iter_mut().find(|(name, _)| *name == contrast.level) {
-                Some((_, cells)) => cells.push((contrast, differing)),
-                None => levels.push((&contrast.level, vec![(contrast, differing)])),
+            let Some([level, base]) = &contrast.runs else { continue };
+            let place = levels.iter().position(|(name, _)| *name == contrast.level).unwrap_or_else(|| {
+                levels.push((contrast.level.clone(), Vec::new()));
+                levels.len() - 1
+            });
+            let cells = &mut levels[place].1;
+            // It is there once for each world.
+            if cells.iter().all(|(axes, _)| *axes != contrast.axes) {
+                cells.push((contrast.axes.clone(), differing(root, base, level)?));
             }
         }
-        Ok(levels.iter().map(|(level, cells)| format!("{level} and {} differ in {}", self.base, told(cells))).collect())
+        levels.retain(|(_, cells)| cells.iter().any(|(_, paths)| !paths.is_empty()));
+        self.settings = levels.into_iter().map(|(level, cells)| LevelSettings::new(level, cells)).collect();
+        Ok(self)
+    }
+
+    /// The settings in words: a line for each level, or several where one is too wide.
+    pub fn settings_in_words(&self) -> Vec<String> {
+        let line = |of: &LevelSettings| format!("{} and {} differ in {}", of.level, self.base, of.in_words());
+        self.settings.iter().map(|of| wrapped(&line(of), TABLE_WIDTH)).collect()
     }
 }
 
-fn spec(root: &Path, id: &Id) -> Result<Value, Error> {
-    Ok(Value::Table(RunFolder::new(root, id).spec()?))
+/// In what two runs differ, which may be one.
+fn differing(root: &Path, base: &Id, level: &Id) -> Result<Paths, Error> {
+    if base == level {
+        return Ok(Paths::new());
+    }
+    let spec = |id| Ok::<_, Error>(Value::Table(RunFolder::new(root, id).spec()?));
+    Ok(folded(changes(&spec(base)?, &spec(level)?).into_keys().collect()))
 }
 
 /// What has another type is another thing: that stands for all that is in it; and a list for its numbers.
@@ -59,51 +111,42 @@ fn folded(paths: Paths) -> Paths {
     paths.into_iter().map(fold).collect()
 }
 
-/// What all cells differ in, and then what only some do.
-fn told(cells: &[Differing<'_>]) -> String {
-    let common = cells.iter().map(|(_, paths)| paths.clone()).reduce(|a, b| &a & &b).unwrap_or_default();
-    let mut told = vec![named(&common)];
-    let mut groups: BTreeMap<Paths, Vec<&Contrast>> = BTreeMap::new();
-    for (contrast, paths) in cells {
-        groups.entry(paths - &common).or_default().push(contrast);
-    }
-    groups.remove(&Paths::new());
-    let all: Vec<&Contrast> = cells.iter().map(|(contrast, _)| *contrast).collect();
-    told.extend(groups.iter().map(|(more, some)| format!("where {} also in {}", shared(some, &all), named(more))));
-    told.join("; ")
+/// The paths of the first tables, and then the others.
+fn sorted(paths: Paths) -> Vec<String> {
+    let mut paths: Vec<String> = paths.into_iter().collect();
+    let rank = |path: &String| FIRST.iter().position(|table| path.split('.').next() == Some(table));
+    paths.sort_by_key(|path| rank(path).unwrap_or(FIRST.len()));
+    paths
 }
 
-fn named(paths: &Paths) -> String {
-    let mut names: Vec<&str> = paths.iter().take(N_NAMED).map(String::as_str).collect();
-    let more = format!("{} more", paths.len().saturating_sub(N_NAMED));
-    if paths.len() > N_NAMED {
-        names.push(&more);
+impl LevelSettings {
+    /// What all cells differ in, and then what only some do.
+    fn new(level: String, cells: Vec<Differing>) -> Self {
+        let common = cells.iter().map(|(_, paths)| paths.clone()).reduce(|a, b| &a & &b).unwrap_or_default();
+        let mut groups: BTreeMap<Paths, Vec<Vec<AxisLevel>>> = BTreeMap::new();
+        for (axes, paths) in &cells {
+            groups.entry(paths - &common).or_default().push(axes.clone());
+        }
+        groups.remove(&Paths::new());
+        let some = groups.into_iter().map(|(paths, cells)| SomeSettings { cells, paths: sorted(paths) });
+        let (some, cells) = (some.collect(), cells.into_iter().map(|(axes, _)| axes).collect());
+        Self { level, all: sorted(common), some, cells }
     }
-    if names.is_empty() { "nothing".to_owned() } else { names.join(", ") }
-}
 
-/// What tells `some` of the contrasts from all others: their levels of as few axes as will do.
-fn shared(some: &[&Contrast], all: &[&Contrast]) -> String {
-    let label = |contrast: &Contrast, axes: &[usize]| {
-        let levels = axes.iter().map(|axis| &contrast.axes[*axis]);
-        levels.map(|level| format!("{}={}", level.axis, level.level)).collect::<Vec<_>>().join(" ")
-    };
-    let labels = |axes: &[usize]| some.iter().map(|contrast| label(contrast, axes)).collect::<BTreeSet<_>>();
-    let will_do = |axes: &[usize]| {
-        let labels = labels(axes);
-        all.iter().filter(|contrast| labels.contains(&label(contrast, axes))).count() == some.len()
-    };
-    let n_axes = some[0].axes.len();
-    let axes = fewest(n_axes, will_do).unwrap_or_else(|| (0..n_axes).collect());
-    labels(&axes).into_iter().collect::<Vec<_>>().join(" or ")
+    fn in_words(&self) -> String {
+        let all: Vec<&[AxisLevel]> = self.cells.iter().map(|cell| &cell[..]).collect();
+        let named = if self.all.is_empty() { "nothing".to_owned() } else { self.all.join(", ") };
+        let some = self.some.iter().map(|SomeSettings { cells, paths }| {
+            let cells: Vec<&[AxisLevel]> = cells.iter().map(|cell| &cell[..]).collect();
+            format!("where {} also in {}", shared(&cells, &all).join(" or "), paths.join(", "))
+        });
+        std::iter::once(named).chain(some).collect::<Vec<_>>().join("; ")
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::episode::Metric;
-    use crate::report::contrast::Difference;
-    use crate::store::AxisLevel;
 
     fn paths(names: &[&str]) -> Paths {
         names.iter().map(|name| (*name).to_owned()).collect()
@@ -116,35 +159,38 @@ mod tests {
         assert_eq!(folded(paths(&["speeds.0", "speeds.1", "terms.1.weight"])), paths(&["speeds", "terms.1.weight"]));
     }
 
+    /// The first four in the order of letters stood for all, and hid the reward.
     #[test]
-    fn what_sets_cells_apart_is_said_in_few_words() {
-        let contrast = |reading: &str, agent: &str| Contrast {
-            axes: [("reading", reading), ("agent", agent)]
-                .map(|(axis, level)| AxisLevel { axis: axis.into(), level: level.into() })
-                .into(),
-            world: None,
-            level: "S".into(),
-            runs: None,
-            n_seeds: 0,
-            differences: Metric::ALL.map(|_| Difference::new(&[])),
-        };
-        let all = [("P", "DQN"), ("P", "DDQN"), ("T", "DQN"), ("T", "DDQN"), ("H", "DQN"), ("H", "DDQN")];
-        let all = all.map(|(reading, agent)| contrast(reading, agent));
-        let all: Vec<&Contrast> = all.iter().collect();
-        assert_eq!(shared(&all[4..], &all), "reading=H");
-        assert_eq!(shared(&all[2..], &all), "reading=H or reading=T");
-        assert_eq!(shared(&[all[0], all[2], all[4]], &all), "agent=DQN");
-        assert_eq!(shared(&all[1..2], &all), "reading=P agent=DDQN");
-        let cells: Vec<Differing<'_>> = all
-            .iter()
-            .map(|of| (*of, paths(if of.axes[0].level == "H" { &["reward", "env.goal"] } else { &["reward"] })))
-            .collect();
-        assert_eq!(told(&cells), "reward; where reading=H also in env.goal");
+    fn what_matters_most_is_told_first() {
+        let all = ["agent.n_step", "env.goal", "envelope", "reward", "train.n_envs", "world.min_gap"];
+        assert_eq!(
+            sorted(paths(&all)),
+            ["reward", "world.min_gap", "env.goal", "agent.n_step", "envelope", "train.n_envs"]
+        );
     }
 
     #[test]
-    fn long_lists_are_counted() {
-        assert_eq!(named(&paths(&[])), "nothing");
-        assert_eq!(named(&paths(&["a", "b", "c", "d", "e", "f"])), "a, b, c, d, 2 more");
+    fn some_cells_differ_in_more() {
+        let cell = |reading: &str, agent: &str| {
+            let levels = [("reading", reading), ("agent", agent)];
+            levels.map(|(axis, level)| AxisLevel { axis: axis.into(), level: level.into() }).to_vec()
+        };
+        let of = |reading: &str| paths(if reading == "H" { &["reward", "env.goal"] } else { &["reward"] });
+        let all = [("P", "DQN"), ("P", "DDQN"), ("H", "DQN"), ("H", "DDQN")];
+        let cells: Vec<Differing> = all.iter().map(|(reading, agent)| (cell(reading, agent), of(reading))).collect();
+        let settings = LevelSettings::new("S".into(), cells);
+        assert_eq!(settings.in_words(), "reward; where reading=H also in env.goal");
+        let json = serde_json::json!({
+            "level": "S",
+            "in_all_cells": ["reward"],
+            "in_some_cells": [{
+                "cells": [{ "reading": "H", "agent": "DQN" }, { "reading": "H", "agent": "DDQN" }],
+                "paths": ["env.goal"],
+            }],
+        });
+        assert_eq!(serde_json::to_value(&settings).unwrap(), json);
+        let apart = vec![(cell("P", "DQN"), paths(&[])), (cell("H", "DQN"), paths(&["world"]))];
+        let settings = LevelSettings::new("S".into(), apart);
+        assert_eq!(settings.in_words(), "nothing; where reading=H also in world");
     }
 }

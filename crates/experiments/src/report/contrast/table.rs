@@ -1,17 +1,20 @@
 //! Contrasts for the terminal.
 
+use headway_stats::MIN_UNITS;
+
 use super::{Contrast, Contrasts, Difference};
 use crate::episode::{Metric, Quantity};
 use crate::report::TABLE_WIDTH;
 use crate::report::layout::{Align, Column, lines, width};
-use crate::report::table::{UNDEFINED, count, header_words};
+use crate::report::table::{CAUTION, UNDEFINED, are_few, count, header_words};
 
 /// Number of header lines.
 const N_HEADER: usize = 3;
 
 impl Contrasts {
     /// The contrasts in some metrics as a text table at most [`TABLE_WIDTH`] characters wide (long level names aside), with lines
-    /// below that say what its numbers are. The last metrics are left out if there is no room, and a line says so.
+    /// below that say what its numbers are, which levels collapsed, and what else differs in the training of levels. The last metrics are
+    /// left out if there is no room, and a line says so.
     pub fn table(&self, metrics: &[Metric]) -> String {
         let labels = self.labels();
         let wide = |shown: &[Metric]| width(&self.columns(&labels, shown).iter().collect::<Vec<_>>());
@@ -19,6 +22,8 @@ impl Contrasts {
         let (shown, left_out) = metrics.split_at(n_shown.min(metrics.len()));
         let mut text = lines(&self.columns(&labels, shown).iter().collect::<Vec<_>>(), N_HEADER);
         text.extend(self.legend(shown, left_out));
+        text.extend(self.collapsed());
+        text.extend(self.settings_in_words());
         text.join("\n") + "\n"
     }
 
@@ -73,15 +78,20 @@ impl Contrasts {
         let seeds = || contrasts.iter().map(|contrast| contrast.n_seeds);
         let (least, most) = (seeds().min().unwrap_or(0), seeds().max().unwrap_or(0));
         let seeds = if least == most { count(most, "seed") } else { format!("{least} to {most} seeds") };
-        let interval = match self.has_intervals() {
-            true => "below it its 95 % bootstrap interval over them",
-            false => "no intervals below 3",
+        let interval = match (self.has_intervals(), least < MIN_UNITS) {
+            (false, _) => "no intervals below 3",
+            (true, false) => "below it its 95 % bootstrap interval over them",
+            (true, true) => "below it, from 3 on, its 95 % bootstrap interval over them",
         };
         let mut legend = vec![
             format!("Each `{over}` less `{base}`, the other axes alike, paired over {seeds}; {interval}."),
             "P(more): how likely a run is to have more than one of the other's, ties by half; seeds more: in how many of the pairs."
                 .to_owned(),
         ];
+        let few = |contrast: &Contrast| shown.iter().any(|metric| are_few(contrast.difference(*metric).paired.n));
+        if contrasts.iter().any(few) {
+            legend.insert(1, CAUTION.to_owned());
+        }
         if self.has_intervals() {
             legend.extend(self.legend_of_p(shown));
         }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::collapse::Collapse;
 use crate::report::{Interval as Intervals, Policy};
 use crate::store::TrainKey;
 
@@ -135,12 +136,48 @@ fn refusals_name_what_there_is() {
     );
 }
 
+/// Each side counts what concerns the world that it is compared in; sides without a policy count nothing.
+#[test]
+fn collapsed_seeds_of_both_sides_are_counted() {
+    let mut report = two_rewards(&[0.25, 0.75, 0.5], &[0.5, 0.75, 1.0]);
+    let counts = |report: &Report, over| -> Vec<_> {
+        report.contrasts(over, None).unwrap().contrasts.iter().map(|of| of.n_collapsed).collect()
+    };
+    assert_eq!(counts(&report, "reward"), [[None; 2]; 2]);
+    let times_out = Collapse::TimesOut { world: "b".into(), timeouts: 1.0, mean_speed: 0.5 };
+    for run in &mut report.runs {
+        run.policy = Policy::At("policy".into());
+        run.collapse = match (&*run.axes[0].level, run.seed) {
+            ("R", 0) => vec![Collapse::Spinning { share: 0.8 }, times_out.clone()],
+            ("S", _) => vec![times_out.clone()],
+            _ => Vec::new(),
+        };
+    }
+    // R, the base, spins in both worlds with one seed; S times out in `b` with all three.
+    assert_eq!(counts(&report, "reward"), [[Some(0), Some(1)], [Some(3), Some(1)]]);
+    assert_eq!(counts(&report, WORLD), [[Some(1), Some(1)], [Some(3), Some(0)]]);
+    let contrasts = report.contrasts("reward", None).unwrap();
+    let table = contrasts.table(&[Metric::Success]);
+    let lines = table.lines().rev().take(2).collect::<Vec<_>>();
+    assert_eq!(lines, ["S collapsed in 3 of 3 seeds where world=b", "R collapsed in 1 of 3 seeds"]);
+    let json: serde_json::Value = serde_json::from_str(&contrasts.json()).unwrap();
+    assert_eq!(json["contrasts"][1]["collapsed"], serde_json::json!({ "level": 3, "base": 1 }));
+    let csv = contrasts.csv();
+    let ends: Vec<_> = csv.lines().skip(1).step_by(Metric::ALL.len()).map(|line| &line[line.len() - 4..]).collect();
+    assert_eq!(ends, [",0,1", ",3,1"]);
+}
+
 #[test]
 fn no_axis_can_have_the_name_of_a_column() {
     let of_seeds = two_rewards(&[0.25, 0.75, 0.5], &[0.5, 0.75, 1.0]);
     let of_policy = Report { interval: Intervals::Episodes, axes: Vec::new(), ..of_seeds.clone() };
-    let texts = [of_seeds.csv(), of_policy.csv(), of_seeds.contrasts("reward", None).unwrap().csv()];
+    let contrasts = of_seeds.contrasts("reward", None).unwrap();
+    let texts = [of_seeds.csv(), of_policy.csv(), contrasts.csv(), of_seeds.runs_csv()];
     let columns = texts.iter().flat_map(|text| text.lines().next().unwrap().split(','));
-    let free: Vec<_> = columns.filter(|column| !crate::spec::is_column(column)).collect();
-    assert_eq!(free, ["reward", "agent", "agent", "reward"]); // the axes
+    let table = of_seeds.runs_table();
+    let of_runs = table.lines().next().unwrap().split_whitespace();
+    let free: Vec<_> = columns.chain(of_runs).filter(|column| !crate::spec::is_column(column)).collect();
+    // The axes, of the list of runs twice, and there the worlds.
+    assert_eq!(free, ["reward", "agent", "agent", "reward", "reward", "agent", "reward", "agent", "a", "b"]);
+    assert!(["cell", "run"].into_iter().all(crate::spec::is_column), "of lists of runs elsewhere");
 }

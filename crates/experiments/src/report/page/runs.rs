@@ -24,7 +24,7 @@ impl Study {
         let runs = self.report.runs[cell.runs.clone()].iter();
         let is_trained = self.report.rows[row].collapsed.n_trained > 0;
         let line = |run| {
-            let verdict = if is_trained { verdict(run) } else { String::new() };
+            let verdict = if is_trained { verdict(run, &self.report.rows[row].world) } else { String::new() };
             format!("<tr>{}{verdict}</tr>\n", self.run(row, run, root, shown, metrics))
         };
         let rows: String = runs.map(line).collect();
@@ -70,9 +70,9 @@ impl Study {
     }
 }
 
-/// How a run collapsed, if it did.
-fn verdict(run: &RunRow) -> String {
-    let how: Vec<String> = run.collapse.iter().map(|how| escaped(&how.describe())).collect();
+/// How a run collapsed, by its training or in this world, if it did.
+fn verdict(run: &RunRow, world: &str) -> String {
+    let how: Vec<String> = run.collapse_in(world).map(|how| escaped(&how.describe())).collect();
     let how = if how.is_empty() { "no".to_owned() } else { how.join("<br>") };
     format!("<td class=\"verdict\" data-metric=\"collapsed\">{how}</td>")
 }
