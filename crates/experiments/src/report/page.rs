@@ -53,12 +53,14 @@ impl Study {
         let figures = self.figures();
         let labels: Vec<String> = (0..self.report.rows.len()).map(|row| self.row_label(row)).collect();
         let data = Data { rows: &self.report.rows, labels, drives: &shown.drives, viridis: VIRIDIS };
+        let meaning = [Some(self.report.meaning()), self.report.caution(&Metric::ALL).map(str::to_owned)];
+        let meaning: Vec<String> = meaning.into_iter().flatten().collect();
         let parts = [
             ("title", escaped(&self.name)),
             ("style", STYLE.to_owned()),
             ("lead", self.lead()),
             ("notes", self.notes(&shown)),
-            ("meaning", escaped(&self.report.meaning())),
+            ("meaning", escaped(&meaning.join(" "))),
             ("definitions", escaped(table::DEFINITIONS)),
             ("results", self.results()),
             ("cells", self.cells_section()),
@@ -94,7 +96,8 @@ impl Study {
             _ => counts.iter().map(|(value, n)| format!("{value} ({n} runs)")).collect::<Vec<_>>().join(", "),
         };
         let (n_collapsed, n_trained) = self.report.n_collapsed();
-        let collapsed = (n_trained > 0).then(|| ("Collapsed", format!("{n_collapsed} of {n_trained} runs")));
+        let collapsed =
+            (n_trained > 0).then(|| ("Collapsed", format!("{n_collapsed} of {n_trained} runs, in a world or all")));
         let facts = [
             ("Spec", self.name.clone()),
             ("Cells", self.cells.len().to_string()),

@@ -144,7 +144,7 @@ impl Report {
     }
 
     /// What to think of intervals over few seeds; nothing where these metrics have none.
-    fn caution(&self, metrics: &[Metric]) -> Option<&'static str> {
+    pub(super) fn caution(&self, metrics: &[Metric]) -> Option<&'static str> {
         let few = |row: &Row| metrics.iter().any(|metric| are_few(row.estimate(*metric).n));
         self.rows.iter().any(few).then_some(CAUTION)
     }
