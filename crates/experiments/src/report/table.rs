@@ -38,7 +38,7 @@ impl Report {
     /// The rows as a text table at most [`TABLE_WIDTH`] characters wide (long level names aside), with a line below that
     /// says what its numbers are, and then the [`notes`](Self::notes).
     ///
-    /// Each row has its means on one line and their intervals on the next. Metrics for which there is no room are left
+    /// Each row has its means on one line and their intervals, if it has any, on the next. Metrics for which there is no room are left
     /// out, and the lines below say so.
     pub fn table(&self) -> String {
         let labels = self.labels();
@@ -82,7 +82,7 @@ impl Report {
         let header = ["", name, ""].map(str::to_owned).into_iter();
         Column {
             align,
-            cells: header.chain(self.rows.iter().flat_map(|row| self.pad(cell(row), String::new()))).collect(),
+            cells: header.chain(self.rows.iter().flat_map(|row| row.lines(cell(row), String::new()))).collect(),
         }
     }
 
@@ -92,17 +92,12 @@ impl Report {
     }
 
     fn metric(&self, metric: Metric) -> Column {
-        let cells = self.rows.iter().flat_map(|row| self.pad(mean_cell(row, metric), interval_cell(row, metric)));
+        let cells = self.rows.iter().flat_map(|row| row.lines(mean_cell(row, metric), interval_cell(row, metric)));
         Column { align: Align::Right, cells: header(metric).map(str::to_owned).into_iter().chain(cells).collect() }
     }
 
-    /// The line of means and, if the report has any interval, the line of intervals.
-    fn pad(&self, mean: String, interval: String) -> Vec<String> {
-        if self.has_intervals() { vec![mean, interval] } else { vec![mean] }
-    }
-
     fn has_intervals(&self) -> bool {
-        self.rows.iter().any(|row| Metric::ALL.iter().any(|metric| row.interval(*metric).is_some()))
+        self.rows.iter().any(Row::has_intervals)
     }
 
     fn legend(&self, metrics: &[Metric]) -> Vec<String> {
@@ -153,6 +148,17 @@ impl Report {
     pub(super) fn common(&self, value: impl Fn(&Row) -> usize) -> Option<usize> {
         let first = value(self.rows.first()?);
         self.rows.iter().all(|row| value(row) == first).then_some(first)
+    }
+}
+
+impl Row {
+    fn has_intervals(&self) -> bool {
+        Metric::ALL.iter().any(|metric| self.interval(*metric).is_some())
+    }
+
+    /// The line of means and, if the row has any interval, the line of intervals.
+    fn lines(&self, mean: String, interval: String) -> Vec<String> {
+        if self.has_intervals() { vec![mean, interval] } else { vec![mean] }
     }
 }
 

@@ -119,7 +119,7 @@ fn it_says_which_seeds_collapsed_and_what_cells_are() {
     bench.succeed(&["run", "haste.toml", "--out", "haste"]);
     bench.succeed(&["report", "haste", "--format", "html"]);
     let page = fs::read_to_string(bench.path("haste/report.html")).unwrap();
-    assert!(page.contains("<dt>Collapsed</dt><dd>2 of 2 runs</dd>"), "a run counts once");
+    assert!(page.contains("<dt>Collapsed</dt><dd>2 of 2 runs, in a world or all</dd>"), "a run counts once");
     for (row, is_trained) in [true, true, false].into_iter().enumerate() {
         let link = format!("<a href=\"#runs-{row}\" data-metric=\"collapsed\"><b>2/2</b></a>");
         assert_eq!(page.contains(&link), is_trained);
