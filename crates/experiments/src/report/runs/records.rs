@@ -14,7 +14,7 @@ const COLUMNS: [&str; 7] = ["seed", "id", "policy", "path", "world", "episodes",
 
 impl Report {
     /// The runs as a JSON list of objects: `axes` (level by axis), `seed`, `id`, `policy` (`trained`, `none_trained`, `damaged` or
-    /// `unfinished`), its `path` (or `null`), `collapse` (a list of its verdicts: see [`Collapse`](crate::collapse::Collapse)), and
+    /// `unfinished`), its `path` (or `null`), `collapse` (a list of its verdicts: see [`Collapse`]), and
     /// `worlds`: by name its `episodes` and each [`Metric`], `null` where undefined; a world is `null` that it was not evaluated in.
     /// Rates are shares in [0, 1].
     pub fn runs_json(&self) -> String {
