@@ -12,7 +12,7 @@ impl Report {
     /// and for each [`Metric`] its `mean`, `low`, `high` and the `n` of seeds in which it is defined; `null` where
     /// undefined. Rates are shares in [0, 1]; those of outcomes of a single policy, which has no interval over seeds, also have
     /// `wilson_low` and `wilson_high`, over its episodes. `collapsed` says how many `seeds` `of` those trained collapsed, by
-    /// their training or in that world, and in `verdicts` which ones, and how: see [`Collapse`].
+    /// their training or in that world, and in `verdicts` which ones, and how: see [`Collapse`](crate::collapse::Collapse).
     pub fn json(&self) -> String {
         let text = serde_json::to_string_pretty(&self.rows);
         text.expect("maps with string keys and numbers always have a JSON form") + "\n"
