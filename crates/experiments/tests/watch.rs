@@ -152,7 +152,7 @@ fn damaged_runs_are_marked_and_the_rest_is_shown() {
     let (index, runs) = watcher.look().unwrap();
     let stages: Vec<_> = runs.iter().map(|run| run.stage).collect();
     assert_eq!(stages, [Stage::Damaged, Stage::Evaluating, Stage::Damaged, Stage::Waiting]);
-    let view = View::new(&index, &runs, 160, usize::MAX);
+    let view = View::new(&index, &runs, 1000, usize::MAX);
     assert_eq!(view.title, "small: 0 of 4 runs done, 1 evaluating, 2 damaged, 1 waiting");
     assert!(view.lines[2].0.contains("  damaged ") && view.lines[2].1 == Tone::Alarm, "{:?}", view.lines);
     let below: Vec<_> = view.lines[6..].iter().map(|(line, _)| line.as_str()).collect();
@@ -161,10 +161,12 @@ fn damaged_runs_are_marked_and_the_rest_is_shown() {
     assert_eq!(below[..2], ["success in room", &format!("warning: `{}` is damaged: {of_done}", parent(&done))]);
     assert!(below[2].starts_with(&format!("warning: `{}` is damaged: ", training.display())), "{below:?}");
     assert!(below[2].ends_with(redo) && below.len() == 3);
+    let narrow = View::new(&index, &runs, 80, 40).lines;
+    assert!(narrow.iter().any(|(line, _)| line.ends_with("will redo it") && line.chars().count() <= 80), "{narrow:?}");
     // Both runs twice over, as if two cells shared them: each is told once. A low terminal has room for a few.
     let twice = [&runs[..], &runs[..]].concat();
     let n_warnings = |runs: &[RunProgress], n_lines| {
-        let view = View::new(&index, runs, 160, n_lines);
+        let view = View::new(&index, runs, 1000, n_lines);
         assert!(view.lines.len() + 4 <= n_lines, "{} lines", view.lines.len());
         view.lines.iter().filter(|(line, _)| line.starts_with("warning: ")).count()
     };
@@ -173,6 +175,8 @@ fn damaged_runs_are_marked_and_the_rest_is_shown() {
     let many: Vec<_> = (0..10).map(many).collect();
     assert_eq!((n_warnings(&many, usize::MAX), n_warnings(&many, 20)), (10, 2));
     assert_eq!(View::new(&index, &many, 160, 20).lines.last().unwrap().0, "and 8 more are damaged");
+    append(1, "xx");
+    assert_eq!(watcher.look().unwrap().1[1].stage, Stage::Damaged, "though not all of its evaluations are done");
 }
 
 fn parent(path: &std::path::Path) -> std::path::Display<'_> {

@@ -16,7 +16,7 @@
 //! | what is the success rate of one policy? | [`wilson`]; [`clustered()`] where episodes share scenarios |
 //!
 //! An interval says what other seeds might have given. It does not repair what is shared by all of them: few seeds
-//! (below five, percentile intervals are too narrow; below three, meaningless), scenarios tuned on, or the best of many
+//! (up to five, percentile intervals are too narrow; below three, meaningless), scenarios tuned on, or the best of many
 //! checkpoints. The crate knows numbers only: no policy, no simulator, no file. Equal values and equal seeds give equal
 //! bytes.
 //!

@@ -119,7 +119,7 @@ fn factors(grid: &Grid, n_runs: u64) -> String {
     let product = format!("{} x {}", counted(n_cells, "cell"), counted(n_seeds, "seed"));
     match n_cells * n_seeds - n_runs {
         0 => product,
-        n_again => format!("{product}, less {n_again} that are shared"),
+        n_again => format!("{product}, less {n_again} that would be the same again"),
     }
 }
 
@@ -129,7 +129,7 @@ fn cost(cost: &Cost, n_runs: u64, n_cores: usize) -> String {
     let n_rounds = n_runs.div_ceil(n_cores as u64) as f64;
     let mut text = format!(
         "\nestimated from short trials of {} here, good to a factor of 2 where the machine is idle\n",
-        counted(cost.n_cells as u64, "cell")
+        counted(cost.n_tried as u64, "run")
     );
     let all = format!("all {n_cores} cores");
     row(&mut text, "", "one core", &all, n_cores);
@@ -200,9 +200,9 @@ mod tests {
     #[test]
     fn the_cost_counts_rounds_and_makes_scenarios_once() {
         let replay_bytes = 19_200_000;
-        let each = Cost { training: 10.0, driving: 20.0, scenarios: 4.0, replay_bytes, n_cells: 1 };
+        let each = Cost { training: 10.0, driving: 20.0, scenarios: 4.0, replay_bytes, n_tried: 1 };
         let expected = "
-estimated from short trials of 1 cell here, good to a factor of 2 where the machine is idle
+estimated from short trials of 1 run here, good to a factor of 2 where the machine is idle
                one core   all 4 cores
 training           50 s          20 s
 evaluation      1.7 min          41 s
@@ -245,7 +245,7 @@ memory is that of the replays; evaluation scenarios take some 3 kB each beside i
         let n_episodes = 7 * (10 * (5 + 2) + 2);
         assert_eq!(amounts, Amounts { n_runs: 21, n_env_steps: 20_000, n_episodes });
         let text = describe(&grid, &amounts);
-        let runs = "\nruns         21 = 5 cells x 10 seeds, less 29 that are shared\n";
+        let runs = "\nruns         21 = 5 cells x 10 seeds, less 29 that would be the same again\n";
         assert!(text.contains(runs), "{text}");
         // As `run` has them.
         let plan = Plan::new(&grid).unwrap();

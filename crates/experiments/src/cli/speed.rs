@@ -1,4 +1,4 @@
-//! How long a grid may take, measured on short trials of some of its cells.
+//! How long a grid may take, measured on short trials of some of its runs.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -13,8 +13,8 @@ use crate::plan::{Plan, Run};
 use crate::spec::{EvaluateWorld, PolicySpec, RunSpec};
 use crate::train::Training;
 
-/// Cells that are tried at most, spread over the grid; cells that share a run count as one.
-const N_CELLS: usize = 6;
+/// Runs that are tried at most, spread over the grid.
+const N_TRIED: usize = 6;
 /// How long a training is tried.
 const TRAINING: Duration = Duration::from_millis(250);
 /// How long making scenarios, and driving through them, is tried in each evaluation world.
@@ -31,14 +31,14 @@ const MAX_STEPS: f64 = 2000.0;
 pub(super) struct Cost {
     /// The training of one run.
     pub(super) training: f64,
-    /// Driving through the evaluation episodes of one run.
+    /// Driving through the evaluation episodes of one run, on average.
     pub(super) driving: f64,
     /// Making the evaluation scenarios of the whole grid: runs share them.
     pub(super) scenarios: f64,
     /// Bytes that the replay of a run takes, in the cell where it takes most.
     pub(super) replay_bytes: u64,
-    /// How many cells were tried.
-    pub(super) n_cells: usize,
+    /// How many runs were tried.
+    pub(super) n_tried: usize,
 }
 
 /// What one run was found to cost, seconds, and one of its sets of scenarios.
@@ -53,19 +53,33 @@ struct Trial {
 /// # Errors
 /// If a training or an evaluation fails.
 pub(super) fn cost(plan: &Plan<'_>, n_seeds: impl Fn(&Run<'_>) -> u64) -> Result<Cost, Error> {
-    let stride = plan.runs.len().div_ceil(N_CELLS).max(1);
+    let stride = plan.runs.len().div_ceil(N_TRIED).max(1);
     let tried = plan.runs.iter().step_by(stride);
-    let trials = tried.map(|run| Ok((n_seeds(run) as f64, Trial::of(run.spec, &evaluations(run))?)));
+    let trials = tried.clone().map(|run| Ok((n_seeds(run) as f64, Trial::of(run.spec, &evaluations(run))?)));
     let trials = trials.collect::<Result<Vec<_>, Error>>()?;
     let n_runs: f64 = trials.iter().map(|(n, _)| n).sum();
     let mean = |of: fn(&Trial) -> f64| trials.iter().map(|(n, trial)| n * of(trial)).sum::<f64>() / n_runs;
+    // A run that cells share drives for all of them, and may be one of those tried or not.
+    let episodes_of_all = mean_episodes(plan.runs.iter(), &n_seeds);
+    let driving_an_episode = mean(|trial| trial.driving) / mean_episodes(tried, &n_seeds);
     Ok(Cost {
         training: mean(|trial| trial.training),
-        driving: mean(|trial| trial.driving),
+        driving: driving_an_episode * episodes_of_all,
         scenarios: mean(|trial| trial.scenarios) * n_scenario_sets(plan) as f64,
         replay_bytes: replay_bytes(plan)?,
-        n_cells: trials.len(),
+        n_tried: trials.len(),
     })
+}
+
+/// Evaluation episodes of a run, on average.
+fn mean_episodes<'a, 'p: 'a>(runs: impl Iterator<Item = &'a Run<'p>>, n_seeds: impl Fn(&Run<'p>) -> u64) -> f64 {
+    let (mut n_episodes, mut n_runs) = (0.0, 0.0);
+    for run in runs {
+        let n = n_seeds(run) as f64;
+        n_runs += n;
+        n_episodes += n * run.evaluations.iter().map(|of| of.spec.evaluate.n_episodes as f64).sum::<f64>();
+    }
+    n_episodes / n_runs
 }
 
 /// The worlds that a run is evaluated in, each with the spec that says how.
@@ -187,6 +201,23 @@ mod tests {
         let start = Instant::now();
         assert!(trial(&spec).driving > 0.0);
         assert!(start.elapsed() < Duration::from_secs(20), "{:?}", start.elapsed());
+    }
+
+    /// Where one of two runs drives for three cells, each drives 40 episodes on average, whichever is tried.
+    #[test]
+    fn episodes_are_those_of_all_runs() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("grid.toml");
+        let levels =
+            "a = {}, b = { \"evaluate.seed\" = 1 }, c = { \"evaluate.seed\" = 2 }, d = { \"agent.gamma\" = 0.9 }";
+        let text = format!("evaluate.n_episodes = 10\n[[axis]]\nname = \"x\"\nlevels = {{ {levels} }}");
+        std::fs::write(&path, text).unwrap();
+        let grid = Grid::load(&path, &[]).unwrap();
+        let plan = Plan::new(&grid).unwrap();
+        // Two worlds.
+        assert_eq!(plan.runs.iter().map(|run| run.evaluations.len()).collect::<Vec<_>>(), [6, 2]);
+        assert_eq!(mean_episodes(plan.runs.iter(), |_| 1), 40.0);
+        assert_eq!(mean_episodes(plan.runs[1..].iter(), |_| 5), 20.0);
     }
 
     #[test]

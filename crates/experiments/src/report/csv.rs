@@ -14,8 +14,8 @@ pub(super) fn written(mut records: impl Iterator<Item = Vec<String>>) -> String 
 impl Report {
     /// The rows as CSV with a header: the axes, `world`, `seeds`, `episodes` (of all seeds together), and for each
     /// [`Metric`] its mean, `_low` and `_high`; empty where undefined. Rates are shares in [0, 1]. Then, of a single
-    /// policy, `_wilson_low` and `_wilson_high` of its rates. At the end `collapsed`: how many of the seeds that were trained collapsed, by
-    /// their training or in that world; empty where none was.
+    /// policy, `_wilson_low` and `_wilson_high` of its rates. At the end `trained`, the seeds that were trained, evaluated or not,
+    /// and `collapsed`, how many of them collapsed, by their training or in that world; both empty where none was.
     pub fn csv(&self) -> String {
         written(std::iter::once(self.header()).chain(self.rows.iter().map(|row| self.record(row))))
     }
@@ -27,7 +27,7 @@ impl Report {
         fields.extend(
             self.with_wilson().flat_map(|m| ["_wilson_low", "_wilson_high"].map(|end| m.name().to_owned() + end)),
         );
-        fields.push("collapsed".to_owned());
+        fields.extend(["trained", "collapsed"].map(str::to_owned));
         fields
     }
 
@@ -41,7 +41,9 @@ impl Report {
         });
         let numbers = over_seeds.chain(over_episodes);
         fields.extend(numbers.map(|number| number.map_or_else(String::new, |number| number.to_string())));
-        fields.push(row.collapsed.n().map_or_else(String::new, |n| n.to_string()));
+        let of_trained =
+            row.collapsed.n().map(|n_collapsed| [row.collapsed.n_trained, n_collapsed].map(|n| n.to_string()));
+        fields.extend(of_trained.unwrap_or_default());
         fields
     }
 

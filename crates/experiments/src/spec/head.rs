@@ -11,11 +11,12 @@ use super::{Fault, KeyPath};
 use crate::episode::Metric;
 
 /// Columns that reports have beside those of the axes and of the metrics.
-const COLUMNS: [&str; 22] = [
+const COLUMNS: [&str; 23] = [
     "world",
     "seeds",
     "episodes",
     "collapsed",
+    "trained",
     "base",
     "metric",
     "seeds_more",

@@ -114,7 +114,7 @@ impl RunProgress {
             Some(_) if clock.is_stalled(rows.len()) => Stage::Stalled,
             Some(_) => Stage::Training,
         };
-        if let Some(damage) = (stage == Stage::Done).then(|| damage_of(folder, cell)).transpose()?.flatten() {
+        if let Some(damage) = is_trained.then(|| damage_of(folder, cell)).transpose()?.flatten() {
             return Ok(Self::damaged(cell, seed, damage));
         }
         let mut collapse = of_training(&rows);

@@ -2,7 +2,7 @@
 
 use super::{RunProgress, Stage, sparkline};
 use crate::collapse;
-use crate::report::layout::{Align, Column, lines, width};
+use crate::report::layout::{Align, Column, lines, width, wrapped};
 use crate::store::{Cell, Index};
 use crate::train::MetricsRow;
 
@@ -12,7 +12,7 @@ const CURVE: usize = 16;
 /// Columns that are kept for the last one, and lines for what is no run: title, header, foot, and where the cursor stands.
 const LAST: usize = 18;
 const N_OTHER_LINES: usize = 7;
-/// Lines on damage that a terminal has at most.
+/// What is damaged that a terminal names at most.
 const N_DAMAGES: usize = 3;
 /// What stands where there is no number.
 const UNDEFINED: &str = "–";
@@ -45,6 +45,8 @@ impl View {
     /// damaged is told below.
     pub fn new(index: &Index, runs: &[RunProgress], n_columns: usize, n_lines: usize) -> Self {
         let damages = damages(runs, if n_lines == usize::MAX { n_lines } else { N_DAMAGES });
+        let wrap = |line: &String| wrapped(line, n_columns).lines().map(str::to_owned).collect::<Vec<_>>();
+        let damages: Vec<String> = damages.iter().flat_map(wrap).collect();
         let shown = shown(runs, n_lines.saturating_sub(N_OTHER_LINES + damages.len()).max(1));
         let mut columns = columns(index, &shown);
         while fixed_width(&columns) + LAST > n_columns {

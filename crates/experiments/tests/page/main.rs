@@ -147,7 +147,7 @@ fn it_says_which_seeds_collapsed_and_what_cells_are() {
 fn three_seeds_make_nothing_bold() {
     let page = Bench::get().page("bold.html", &[]);
     let (_, matrices) = page.split_once("Probability of more").unwrap();
-    assert_eq!(matrices.matches("None is bold: with fewer than 6 training seeds").count(), 3, "of each metric");
+    assert_eq!(matrices.matches("None is bold: that takes 6 training seeds").count(), 3, "of each metric");
     let tables: Vec<&str> = matrices.split("<table class=\"matrix\">").skip(1).collect();
     assert!(tables.len() == 3 && tables.iter().all(|table| !table.split_once("</table>").unwrap().0.contains("<b>")));
 }

@@ -75,7 +75,9 @@ function tellsOfCoveredMarks() {
   mark.scrollIntoView({ block: "center" });
   const { x, y, width, height } = mark.lastElementChild.getBoundingClientRect();
   const [clientX, clientY] = [x + width / 2, y + height / 2];
-  mark.dispatchEvent(new PointerEvent("pointermove", { clientX, clientY, bubbles: true }));
+  const topmost = document.elementFromPoint(clientX, clientY);
+  check("the mark is covered", topmost && !mark.contains(topmost));
+  topmost.dispatchEvent(new PointerEvent("pointermove", { clientX, clientY, bubbles: true }));
   const tip = element("tip");
   check("a mark is told of beneath another", !tip.hidden && tip.textContent.includes(mark.getAttribute("aria-label")));
   twin.remove();

@@ -323,7 +323,10 @@ fn a_single_policy_has_no_interval_over_seeds() {
     assert_eq!(rows[0]["spl"].as_object().unwrap().len(), 4, "rates only");
     let (csv, grid) = (report.csv(), Fixture::new(3, skill).report());
     assert!(csv.starts_with("world,seeds,episodes,success,success_low,success_high,collision,"), "{csv}");
-    assert!(csv.lines().next().unwrap().ends_with(",timeout_wilson_low,timeout_wilson_high,collapsed"), "{csv}");
+    assert!(
+        csv.lines().next().unwrap().ends_with(",timeout_wilson_low,timeout_wilson_high,trained,collapsed"),
+        "{csv}"
+    );
     assert!(!grid.json().contains("wilson") && !grid.csv().contains("wilson"));
 }
 
@@ -473,9 +476,9 @@ fn csv_has_a_row_per_cell_and_world() {
     assert_eq!(lines.len(), 1 + 8);
     assert!(lines[0].starts_with("reward,agent,world,seeds,episodes,success,success_low,success_high,collision,"));
     assert!(lines[0].ends_with(
-        ",mean_jerk,mean_jerk_low,mean_jerk_high,vetoes,vetoes_low,vetoes_high,stops,stops_low,stops_high,collapsed"
+        ",mean_jerk,mean_jerk_low,mean_jerk_high,vetoes,vetoes_low,vetoes_high,stops,stops_low,stops_high,trained,collapsed"
     ));
-    assert!(lines[1].starts_with("R,DQN,room_10x15,4,32,0,0,0,0.125,0.125,0.125,0.875,") && lines[1].ends_with(",0"));
+    assert!(lines[1].starts_with("R,DQN,room_10x15,4,32,0,0,0,0.125,0.125,0.125,0.875,") && lines[1].ends_with(",4,0"));
 }
 
 /// The three formats show the same numbers.

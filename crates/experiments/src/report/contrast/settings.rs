@@ -18,14 +18,19 @@ use crate::store::{AxisLevel, Id, RunFolder};
 /// The tables that are told first.
 const FIRST: [&str; 3] = ["reward", "world", "env"];
 
+/// The table that only those have who are trained.
+const TRAINING: &str = "train";
+/// The table that only those have who are not.
+const POLICY: &str = "policy";
+
 /// Dotted paths of a spec.
 type Paths = BTreeSet<String>;
 
 /// The levels of a cell, and the settings in which its two sides differ.
 type Differing = (Vec<AxisLevel>, Paths);
 
-/// In which settings the training of a level differs from that of the base: dotted paths of the spec, those of the reward, the world
-/// and the env first. A table of another type stands for all that is in it, a list for its numbers.
+/// In which settings a level differs from the base, evaluation aside: dotted paths of the spec, those of the reward, the world
+/// and the env first; where one of them is not trained, what both have, and `policy`. A table of another type stands for all that is in it, a list for its numbers.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct LevelSettings {
     /// The level.
@@ -92,8 +97,18 @@ fn differing(root: &Path, base: &Id, level: &Id) -> Result<Paths, Error> {
     if base == level {
         return Ok(Paths::new());
     }
-    let spec = |id| Ok::<_, Error>(Value::Table(RunFolder::new(root, id).spec()?));
-    Ok(folded(changes(&spec(base)?, &spec(level)?).into_keys().collect()))
+    let [base, level] = [RunFolder::new(root, base).spec()?, RunFolder::new(root, level).spec()?];
+    let mut paths: Paths = changes(&Value::Table(base.clone()), &Value::Table(level.clone())).into_keys().collect();
+    if [&base, &level].iter().any(|spec| !spec.contains_key(TRAINING)) {
+        // Who is not trained has no settings of training, which says `policy`.
+        let is_of_both = |path: &String| [&base, &level].iter().all(|spec| spec.contains_key(first_key(path)));
+        paths.retain(|path| first_key(path) == POLICY || is_of_both(path));
+    }
+    Ok(folded(paths))
+}
+
+fn first_key(path: &str) -> &str {
+    path.split('.').next().unwrap_or(path)
 }
 
 /// What has another type is another thing: that stands for all that is in it; and a list for its numbers.
@@ -114,7 +129,7 @@ fn folded(paths: Paths) -> Paths {
 /// The paths of the first tables, and then the others.
 fn sorted(paths: Paths) -> Vec<String> {
     let mut paths: Vec<String> = paths.into_iter().collect();
-    let rank = |path: &String| FIRST.iter().position(|table| path.split('.').next() == Some(table));
+    let rank = |path: &String| FIRST.iter().position(|table| first_key(path) == *table);
     paths.sort_by_key(|path| rank(path).unwrap_or(FIRST.len()));
     paths
 }

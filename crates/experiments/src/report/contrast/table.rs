@@ -5,7 +5,7 @@ use headway_stats::MIN_UNITS;
 use super::{Contrast, Contrasts, Difference};
 use crate::episode::{Metric, Quantity};
 use crate::report::TABLE_WIDTH;
-use crate::report::layout::{Align, Column, lines, width};
+use crate::report::layout::{Align, Column, lines, width, wrapped};
 use crate::report::table::{CAUTION, UNDEFINED, are_few, count, header_words};
 
 /// Number of header lines.
@@ -84,7 +84,10 @@ impl Contrasts {
             (true, true) => "below it, from 3 on, its 95 % bootstrap interval over them",
         };
         let mut legend = vec![
-            format!("Each `{over}` less `{base}`, the other axes alike, paired over {seeds}; {interval}."),
+            wrapped(
+                &format!("Each `{over}` less `{base}`, the other axes alike, paired over {seeds}; {interval}."),
+                TABLE_WIDTH,
+            ),
             "P(more): how likely a run is to have more than one of the other's, ties by half; seeds more: in how many of the pairs."
                 .to_owned(),
         ];

@@ -57,15 +57,15 @@ fn rule_of_bold(ranking: &Ranking) -> String {
     let n_cells = ranking.more.len();
     let mut compared =
         (0..n_cells).flat_map(|x| (0..x).map(move |y| (x, y))).filter(|(x, y)| ranking.more[*x][*y].is_some());
-    let few = format!(
-        "with fewer than {MIN_SEEDS_TOLD} training seeds even complete separation, 100 (100\u{2013}100), may be luck"
-    );
     match compared.any(|(x, y)| ranking.has_enough(x, y)) {
         true => format!(
-            "Bold where the 95 % bootstrap interval over the seeds leaves out 50 % and both cells have {MIN_SEEDS_TOLD} seeds or \
-             more: {few}."
+            "Bold where the 95 % bootstrap interval over the seeds leaves out 50 % and both cells have {MIN_SEEDS_TOLD} training \
+             seeds or more, as many as a sign-flip test of pairs takes to reach p = 0.05."
         ),
-        false => format!("None is bold: {few}."),
+        false => format!(
+            "None is bold: that takes {MIN_SEEDS_TOLD} training seeds of both cells, as many as a sign-flip test of pairs takes to \
+             reach p = 0.05."
+        ),
     }
 }
 

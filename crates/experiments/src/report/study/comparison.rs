@@ -10,9 +10,8 @@ use crate::Error;
 use crate::episode::Metric;
 use crate::report::RunRow;
 
-/// Fewest seeds of either cell from which a probability counts as told from luck. Of fewer, even the exact test for seeds that pair up
-/// ([`sign_flip`](headway_stats::sign_flip)) never has a p of 0.05 or less, while an interval leaves out one half wherever all of one
-/// cell's seeds have more than all of the other's.
+/// Fewest seeds of either cell from which a probability counts as told from luck: as many as the test for seeds that pair up
+/// ([`sign_flip`](headway_stats::sign_flip)) takes to have a p of 0.05 or less, so that the two say the same of few seeds.
 pub(crate) const MIN_SEEDS_TOLD: usize = 6;
 
 /// The scores that cells are compared in: from 0 to 1, of which more is better.
